@@ -11,15 +11,18 @@ SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .PHONY: build install studies page demo test check packages test-packages openapi-tools
 
+PAGE_SOURCES := $(shell find web-client/src web-client/public -type f) $(wildcard web-client/*.html web-client/*.ts web-client/*.json)
+
 DATA := demo-data
 LISTEN := 127.0.0.1:8080
-# `dev` takes the build of the tests.
+# `dev` takes the build of the tests: alone, the program's crates would be compiled again without the features that only
+# tests enable.
 PROFILE := release
 PROGRAM := $(or $(CARGO_TARGET_DIR),target)/$(if $(filter dev,$(PROFILE)),debug,$(PROFILE))/bendylights
 export CARGO_TERM_COLOR ?= auto
 
 build: packages page
-	cargo build --profile $(PROFILE) --locked -p bendylights
+	cargo build --profile $(PROFILE) --locked $(if $(filter dev,$(PROFILE)),--workspace --bins --tests,-p bendylights)
 	@echo "Built $(PROGRAM); try: $(PROGRAM) --help"
 
 install: packages page
@@ -28,8 +31,15 @@ install: packages page
 studies: packages
 	cargo build --release --locked -p studies
 
-page: packages
-	cd web-client && npm ci --no-audit --no-fund --loglevel=error && npm run --silent build
+# Neither is done again without a change: a test runs `make demo` while others use the packages and the page.
+page: web-client/dist/index.html
+
+web-client/node_modules/.package-lock.json: web-client/package-lock.json | packages
+	cd web-client && npm ci --no-audit --no-fund --loglevel=error
+	touch $@
+
+web-client/dist/index.html: web-client/node_modules/.package-lock.json $(PAGE_SOURCES)
+	cd web-client && npm run --silent build
 
 # Open the address that it prints; stop it with Ctrl+C. What was edited is in $(DATA) and there at the next start.
 demo: build
@@ -41,13 +51,16 @@ test: packages test-packages page openapi-tools
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	@$(if $(SHARED_ASSETS),,echo "../shared/assets is missing: what needs it stays ignored")
-	cargo test --workspace --locked -- --include-ignored --skip child_that_ $(if $(SHARED_ASSETS),,--skip shared_assets)
+	RUST_TEST_THREADS=$(TEST_THREADS) cargo test --workspace --locked -- --include-ignored --skip child_that_ $(if $(SHARED_ASSETS),,--skip shared_assets)
 
 # The inner loop: what a change of code breaks at once.
 check: packages
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	cargo test --workspace --locked --lib --bins
+
+# Tests wait for browsers, servers and disks, so that cores idle with one thread each. Three a core took longer than two.
+TEST_THREADS = $(shell echo $$((2 * $$(getconf _NPROCESSORS_ONLN))))
 
 # Scenes of other makers, beside the checkout and not part of it. CI promises them: where they are missing its tests fail.
 SHARED_ASSETS := $(or $(wildcard ../shared/assets),$(filter true,$(CI)))

@@ -3,18 +3,17 @@
 //! `BENDYLIGHTS_ACCURACY_SIZE=WIDTHxHEIGHT` compares pictures of another size, `BENDYLIGHTS_ACCURACY_PICTURES=DIR`
 //! saves the differences as pictures.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::LazyLock;
 
 use assets::LoadedScene;
 use bench::compare::{Comparison, ComparisonSubject, ExpectedPicture, RenderedSubject};
 use glam::DVec3;
 use light::parameters::{SPECULAR, TRANSLATION};
-use light::{Light, LightInstance, ParameterOwner};
-use render::{Backend, Culling, Gpu, MemoryBudget, Renderer, ShadowSettings};
+use light::{Light, ParameterOwner};
+use render::{Backend, Renderer, ShadowSettings};
 use scene::View;
 
-const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
+use crate::pictures::{alone, compared_size, reduced_culling, renderer_of, save_panels, shared_asset};
 
 /// File of a scene, and control points and radii in world units of a light of three segments with strong bends.
 struct AccuracyScene {
@@ -51,20 +50,6 @@ const SETTINGS: [AccuracyScene; 4] = [
     },
 ];
 
-/// Folder of scenes beside the checkout. Tests that need it are ignored by default.
-fn scenes_folder() -> PathBuf {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/scenes"));
-    assert!(folder.is_dir(), "{} is missing", folder.display());
-    folder
-}
-
-/// Size of the pictures: that of the table in docs/accuracy.md, or that of the environment variable.
-fn size() -> [u32; 2] {
-    let Ok(size) = std::env::var("BENDYLIGHTS_ACCURACY_SIZE") else { return [686, 382] };
-    let (width, height) = size.split_once('x').expect("the size is written WIDTHxHEIGHT");
-    [width, height].map(|side| side.parse().expect("a side is a number of pixels"))
-}
-
 fn light(setting: &AccuracyScene) -> Light {
     let [source, ..] = setting.points.map(DVec3::from_array);
     let points = setting.points.map(|point| DVec3::from_array(point) - source).to_vec();
@@ -73,8 +58,8 @@ fn light(setting: &AccuracyScene) -> Light {
         .map_points(|_, point| point.intensity = setting.intensity)
 }
 
-fn subject(folder: &Path, setting: &AccuracyScene) -> ComparisonSubject {
-    let loaded = assets::load(&folder.join(setting.file)).expect("the scene is sound");
+fn subject(setting: &AccuracyScene) -> ComparisonSubject {
+    let loaded = assets::load(&shared_asset("scenes").join(setting.file)).expect("the scene is sound");
     seen_by_its_camera(setting.file.trim_end_matches(".glb"), loaded, light(setting))
 }
 
@@ -87,43 +72,54 @@ fn demo() -> ComparisonSubject {
 }
 
 fn seen_by_its_camera(name: &str, loaded: LoadedScene, light: Light) -> ComparisonSubject {
-    let view = View::beauty(loaded.contents.cameras[0].clone(), size());
+    // The size of the table in docs/accuracy.md.
+    let view = View::beauty(loaded.contents.cameras[0].clone(), compared_size([686, 382]));
     ComparisonSubject::new(name, loaded.scene, light, view)
 }
 
-fn renderers() -> [(Backend, Renderer); 2] {
-    BACKENDS.map(|backend| {
-        let gpu = Gpu::open(MemoryBudget::default(), Some(backend)).expect("a graphics driver");
-        (backend, Renderer::new(Arc::new(gpu)).expect("a renderer"))
-    })
+/// Pictures that several tests compare with. Each is drawn once, since the reference takes longest.
+static OF_DEMO: LazyLock<ExpectedPicture> = LazyLock::new(|| expected(demo()));
+static OF_SHARED_ASSETS: [LazyLock<ExpectedPicture>; 4] = [
+    LazyLock::new(|| expected(subject(&SETTINGS[0]))),
+    LazyLock::new(|| expected(subject(&SETTINGS[1]))),
+    LazyLock::new(|| expected(subject(&SETTINGS[2]))),
+    LazyLock::new(|| expected(subject(&SETTINGS[3]))),
+];
+
+fn expected(subject: ComparisonSubject) -> ExpectedPicture<'static> {
+    ExpectedPicture::new(Box::leak(Box::new(subject)), || {}).expect("the light is valid")
 }
 
-/// Tests both backends' pictures of `subject` by [`fault`]. The reference's picture is drawn once, because it takes
-/// longest.
-fn is_what_the_reference_says(renderers: &mut [(Backend, Renderer)], subject: &ComparisonSubject) {
-    let expected = ExpectedPicture::new(subject, || {}).expect("the light is valid");
+fn renderers() -> [(Backend, Renderer); 2] {
+    [Backend::Wgpu, Backend::Native].map(|backend| (backend, renderer_of(backend)))
+}
+
+/// Tests both backends' pictures of the subject by [`fault`].
+fn is_what_the_reference_says(renderers: &mut [(Backend, Renderer)], expected: &ExpectedPicture) {
+    let subject = expected.subject();
     for (backend, renderer) in renderers {
-        let (drawn, found) = compared_with(renderer, (subject, &expected), ShadowSettings::default());
-        if let Ok(folder) = std::env::var("BENDYLIGHTS_ACCURACY_PICTURES") {
-            let name = format!("{}-{}.png", subject.name.replace(':', "-"), backend.name());
-            let file = Path::new(&folder).join(name);
-            expected.panels(&drawn, &found).save(file).expect("the picture can be written");
-        }
-        let told = serde_json::to_string(&found).expect("plain data");
-        println!("{} by {}: {told}", subject.name, backend.name());
-        assert_eq!(fault(subject, &found), None, "{} by {}: {told}", subject.name, backend.name());
+        renderer.set_scene(expected.posed()).expect("the scene fits");
+        let (drawn, found) = compared_with(renderer, expected, ShadowSettings::default());
+        save_panels(&format!("{}-{}", subject.name.replace(':', "-"), backend.name()), expected, &drawn, &found);
+        let text = format!("{} by {}: {}", subject.name, backend.name(), text(&found));
+        println!("{text}");
+        assert_eq!(fault(subject, &found), None, "{text}");
     }
 }
 
+/// Compares a picture by a renderer that has the scene.
 fn compared_with(
     renderer: &mut Renderer,
-    (subject, expected): (&ComparisonSubject, &ExpectedPicture),
+    expected: &ExpectedPicture,
     settings: ShadowSettings,
 ) -> (RenderedSubject, Comparison) {
-    renderer.set_scene(expected.posed()).expect("the scene fits");
-    let drawn = RenderedSubject::new(renderer, subject, settings).expect("it can be drawn");
+    let drawn = RenderedSubject::new(renderer, expected.subject(), settings).expect("it can be drawn");
     let comparison = expected.compare(&drawn);
     (drawn, comparison)
+}
+
+fn text(found: &Comparison) -> String {
+    serde_json::to_string(found).expect("plain data")
 }
 
 /// Tests a comparison by the columns of docs/accuracy.md. Returns the first violated one.
@@ -151,110 +147,83 @@ fn fault(subject: &ComparisonSubject, found: &Comparison) -> Option<&'static str
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn pictures_of_shared_assets_are_what_the_reference_says() {
-    let folder = scenes_folder();
-    are_what_the_reference_says(SETTINGS.iter().map(|setting| subject(&folder, setting)));
+    let mut renderers = renderers();
+    for expected in &OF_SHARED_ASSETS {
+        is_what_the_reference_says(&mut renderers, expected);
+    }
 }
 
 #[test]
 fn pictures_of_the_demo_are_what_the_reference_says() {
-    are_what_the_reference_says([demo()].into_iter());
-}
-
-fn are_what_the_reference_says(subjects: impl Iterator<Item = ComparisonSubject>) {
-    let mut renderers = renderers();
-    subjects.for_each(|subject| is_what_the_reference_says(&mut renderers, &subject));
+    is_what_the_reference_says(&mut renderers(), &OF_DEMO);
 }
 
 /// Planted: casters that deviate from the scene by two hundredths of a unit, and a highlight without its factor.
 #[test]
-fn casters_that_stray_and_highlights_left_out_are_seen() {
-    let subject = demo();
-    let expected = ExpectedPicture::new(&subject, || {}).expect("the light is valid");
-    let strayed = ShadowSettings { mesh_error: 0.02, ..ShadowSettings::default() };
-    let instances = |light: Light| LightInstance::numbered([light]).expect("a light");
-    let without = subject.light.clone().with(SPECULAR, 0.0);
+fn casters_with_errors_and_highlights_left_out_are_seen() {
+    let expected = &*OF_DEMO;
+    let subject = expected.subject();
+    let simplified = ShadowSettings { mesh_error: 0.02, ..ShadowSettings::default() };
+    let without = alone(&subject.light.clone().with(SPECULAR, 0.0));
     for (backend, mut renderer) in renderers() {
-        let (_, found) = compared_with(&mut renderer, (&subject, &expected), strayed);
-        println!("{backend:?} strayed: {}", serde_json::to_string(&found).expect("plain data"));
-        assert!(fault(&subject, &found).is_some(), "{backend:?}: casters that stray go unseen: {found:?}");
-        let drawn = RenderedSubject::under(
-            &mut renderer,
-            &subject,
-            &instances(without.clone()),
-            ShadowSettings::default(),
-        );
+        renderer.set_scene(expected.posed()).expect("the scene fits");
+        let (_, found) = compared_with(&mut renderer, expected, simplified);
+        println!("{backend:?} simplified: {}", text(&found));
+        assert!(fault(subject, &found).is_some(), "{backend:?}: casters with errors go unseen: {found:?}");
+        let drawn = RenderedSubject::under(&mut renderer, subject, &without, ShadowSettings::default());
         let found = expected.compare(&drawn.expect("it can be drawn"));
-        assert_eq!(fault(&subject, &found), Some("another radiance"), "{backend:?}: {found:?}");
+        assert_eq!(fault(subject, &found), Some("another radiance"), "{backend:?}: {found:?}");
     }
 }
 
 /// Culling changes no error: with each kind of culling off, the comparison is the same to the last digit.
-fn are_the_same_with_nothing_left_out(subjects: impl Iterator<Item = ComparisonSubject>) {
-    let mut renderers = renderers();
-    for subject in subjects {
-        let expected = ExpectedPicture::new(&subject, || {}).expect("the light is valid");
-        for (backend, renderer) in &mut renderers {
-            println!("{} by {}", subject.name, backend.name());
-            is_the_same_with_nothing_left_out(renderer, (&subject, &expected));
+fn has_the_same_errors_without_culling(renderers: &mut [(Backend, Renderer)], expected: &ExpectedPicture) {
+    let subject = expected.subject();
+    for (backend, renderer) in renderers {
+        let name = format!("{} by {}", subject.name, backend.name());
+        renderer.set_scene(expected.posed()).expect("the scene fits");
+        let mut found = |settings| compared_with(renderer, expected, settings).1;
+        let usual = text(&found(ShadowSettings::default()));
+        for (what, culling) in reduced_culling() {
+            let found = found(ShadowSettings { culling, ..ShadowSettings::default() });
+            println!("{name} without {what}: {}", text(&found));
+            assert_eq!(fault(subject, &found), None, "{name} without {what}");
+            // With floors in them, maps are fitted to larger boxes. Their texels differ, and edges are off within those.
+            if culling.sides {
+                assert_eq!(text(&found), usual, "{name} without {what}");
+            }
         }
+        // The planted fault: maps with different texels have different errors.
+        let coarse = ShadowSettings { resolution: 1500, ..ShadowSettings::default() };
+        assert_ne!(text(&found(coarse)), usual, "{name}");
     }
-}
-
-fn is_the_same_with_nothing_left_out(
-    renderer: &mut Renderer,
-    (subject, expected): (&ComparisonSubject, &ExpectedPicture),
-) {
-    let on = Culling::ALL;
-    let controls = [
-        ("clusters", Culling { clusters: false, ..on }),
-        ("backs", Culling { backs: false, ..on }),
-        ("sides", Culling { sides: false, ..on }),
-        ("pixels", Culling { pixels: false, ..on }),
-        ("all", Culling::NONE),
-    ];
-    let told = |it: &Comparison| serde_json::to_string(it).expect("plain data");
-    let mut found = |settings| compared_with(renderer, (subject, expected), settings).1;
-    let usual = found(ShadowSettings::default());
-    for (what, culling) in controls {
-        let settings = ShadowSettings { culling, ..ShadowSettings::default() };
-        let found = found(settings);
-
-        println!("{} {what}: {}", subject.name, told(&found));
-        assert_eq!(fault(subject, &found), None, "{} with {what}", subject.name);
-        // With floors in them, maps are fitted to larger boxes. Their texels differ, and edges are off within those.
-        if culling.sides {
-            assert_eq!(told(&found), told(&usual), "{} with {what}", subject.name);
-        }
-    }
-    // The planted fault: maps with different texels have different errors.
-    let coarse = ShadowSettings { resolution: 1500, ..ShadowSettings::default() };
-    assert_ne!(told(&found(coarse)), told(&usual), "{}", subject.name);
 }
 
 #[test]
-fn what_is_left_out_of_the_demo_changes_no_error() {
-    are_the_same_with_nothing_left_out([demo()].into_iter());
+fn culling_in_the_demo_changes_no_error() {
+    has_the_same_errors_without_culling(&mut renderers(), &OF_DEMO);
 }
 
 #[test]
 #[ignore = "needs ../shared/assets"]
-fn what_is_left_out_of_shared_assets_changes_no_error() {
-    let folder = scenes_folder();
-    are_the_same_with_nothing_left_out(SETTINGS.iter().map(|setting| subject(&folder, setting)));
+fn culling_in_shared_assets_changes_no_error() {
+    let mut renderers = renderers();
+    for expected in &OF_SHARED_ASSETS {
+        has_the_same_errors_without_culling(&mut renderers, expected);
+    }
 }
 
 /// Nothing pops while a control point is dragged: each frame is correct where light grazes the neck of the goblet.
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn nothing_pops_while_a_light_is_dragged_in_shared_assets() {
-    let folder = scenes_folder();
+    let still = subject(&SETTINGS[1]);
     let mut renderers = renderers();
-    let still = subject(&folder, &SETTINGS[1]);
     for step in 1..=4 {
         let mut dragged = still.clone();
         let points = dragged.light.points_mut().expect("it is bent");
         points[3].position += DVec3::new(0.02, -0.01, 0.015) * f64::from(step);
         println!("step {step}");
-        is_what_the_reference_says(&mut renderers, &dragged);
+        is_what_the_reference_says(&mut renderers, &expected(dragged));
     }
 }

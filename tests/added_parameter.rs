@@ -3,6 +3,8 @@
 
 #[path = "browser.rs"]
 mod browser;
+#[path = "in_process.rs"]
+mod in_process;
 #[path = "program.rs"]
 mod program;
 
@@ -13,30 +15,22 @@ use std::time::{Duration, Instant};
 
 use bench::ServerAddress;
 use browser::run_in_browser;
+use in_process::InProcessServer;
 use light::{NumberRange, Parameter, ParameterKind, ParameterOf, ParameterOwner, ParameterTouches, Value};
 use program::program;
 use protocol::{SchemaSide, json_schema};
 use serde_json::{Value as Json, json};
-use server::{Server, ServerConfig};
 use store::{Store, replay_log};
-use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
+
+const fn dimmed(owner: ParameterOwner) -> ParameterOf {
+    ParameterOf { owner, default: Some(Value::Number(1.0)), touches: ParameterTouches::Radiance }
+}
 
 static DIMMER: Parameter = Parameter {
     name: "dimmer",
     path: "dimmer",
-    owners: &[
-        ParameterOf {
-            owner: ParameterOwner::Spot,
-            default: Some(Value::Number(1.0)),
-            touches: ParameterTouches::Radiance,
-        },
-        ParameterOf {
-            owner: ParameterOwner::Bendy,
-            default: Some(Value::Number(1.0)),
-            touches: ParameterTouches::Radiance,
-        },
-    ],
+    owners: &[dimmed(ParameterOwner::Spot), dimmed(ParameterOwner::Bendy)],
     kind: ParameterKind::Number(NumberRange {
         unit: "times",
         min: Included(0.0),
@@ -52,8 +46,7 @@ static DIMMER: Parameter = Parameter {
 };
 
 /// Adds the row before any code reads the table.
-static ADDED: LazyLock<()> =
-    LazyLock::new(|| assert!(light::add_parameters(&[&DIMMER]), "looked at already"));
+static ADDED: LazyLock<()> = LazyLock::new(|| assert!(light::add_parameters(&[&DIMMER]), "looked at already"));
 
 /// A server with that row, in this process.
 struct ParameterServer {
@@ -66,21 +59,7 @@ impl ParameterServer {
     fn start() -> Self {
         LazyLock::force(&ADDED);
         let data = tempfile::tempdir().expect("a folder");
-        let config = ServerConfig {
-            data: data.path().to_owned(),
-            session: "main".into(),
-            scene: None,
-            token_file: None,
-            public_urls: Vec::new(),
-            trace: None,
-            backend: None,
-        };
-        let server = Server::open(&config).expect("a server");
-        let runtime = Runtime::new().expect("a runtime");
-        let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).expect("a port");
-        let host = listener.local_addr().expect("bound").to_string();
-        let address = ServerAddress { host, token: server.token().digits().into() };
-        runtime.spawn(server.run(listener, runtime.handle().clone(), std::future::pending()));
+        let InProcessServer { runtime, address } = InProcessServer::start(data.path(), None);
         Self { runtime, address, data }
     }
 
@@ -147,10 +126,7 @@ fn a_row_is_all_that_a_parameter_needs() {
     let log = own.log();
     assert!(log.contains(r#"{"dimmer":0.25}"#), "exported: {log}");
     let replayed = replay_log(log.as_bytes(), None).expect("a sound log");
-    assert_eq!(
-        (replayed.first_difference, replayed.session.document().hash().to_string()),
-        (None, set.clone())
-    );
+    assert_eq!((replayed.first_difference, replayed.session.document().hash().to_string()), (None, set.clone()));
     // The planted fault: a different value.
     let planted = replay_log(log.replace(r#"{"dimmer":0.25}"#, r#"{"dimmer":0.75}"#).as_bytes(), None);
     assert!(planted.expect("the same records").first_difference.is_some());

@@ -14,8 +14,7 @@ pub fn run_in_browser(
     facts: Option<&str>,
 ) {
     let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../web-client");
-    let is_built =
-        client.join("node_modules/playwright-core").is_dir() && client.join("dist/index.html").is_file();
+    let is_built = client.join("node_modules/playwright-core").is_dir() && client.join("dist/index.html").is_file();
     assert!(is_built, "the page is not built: `make page` builds it");
     let pictures = tempfile::tempdir().expect("a folder");
     let session = of.map(|name| format!("&session={name}")).unwrap_or_default();

@@ -5,7 +5,8 @@
 //! re-exports with `pub use` counts as an import of its origin. A module and those within it may name each other.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+
+use crate::sources::{repository, sources};
 
 /// Pairs of files that import each other. No crate has any other circle.
 const PAIRS: &[&str] =
@@ -17,22 +18,14 @@ type Module = Vec<String>;
 type Crate = BTreeMap<Module, String>;
 type Imports = BTreeMap<Module, BTreeSet<Module>>;
 
-/// Reads the crate whose sources are in `folder`.
-fn read(folder: &Path, within: &[String], modules: &mut Crate) {
-    for entry in std::fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        let stem = path.file_stem().expect("a name").to_string_lossy().into_owned();
-        let mut module = within.to_vec();
-        if path.is_dir() {
-            module.push(stem);
-            read(&path, &module, modules);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            if !["lib", "main", "mod"].contains(&&*stem) {
-                module.push(stem);
-            }
-            modules.insert(module, source(&std::fs::read_to_string(&path).expect("text")));
-        }
-    }
+/// Reads the crate in a folder of the repository.
+fn read(folder: &str) -> Crate {
+    let folder = format!("{folder}/src/");
+    let module = |path: &str| {
+        let names = path.trim_start_matches(&*folder).trim_end_matches(".rs").split('/');
+        names.filter(|name| !["lib", "main", "mod"].contains(name)).map(str::to_owned).collect()
+    };
+    sources(&[&folder], &["rs"]).iter().map(|file| (module(&file.path), source(&file.text))).collect()
 }
 
 /// Text of a file without comments and without its module of tests.
@@ -107,8 +100,7 @@ fn resolve(modules: &Crate, module: &Module, path: &[String]) -> Option<Module> 
         let inner = [&base[..], std::slice::from_ref(name)].concat();
         if !modules.contains_key(&inner) {
             let given_on = uses(&modules[&base]).into_iter().filter(|(is_given_on, _)| *is_given_on);
-            let mut origins =
-                given_on.flat_map(|(_, tree)| paths(tree)).filter(|path| path.last() == Some(name));
+            let mut origins = given_on.flat_map(|(_, tree)| paths(tree)).filter(|path| path.last() == Some(name));
             return origins.next().and_then(|path| resolve(modules, &base, &path)).or(Some(base));
         }
         (base, rest) = (inner, &rest[1..]);
@@ -138,36 +130,24 @@ fn circles(imports: &Imports) -> BTreeSet<Vec<String>> {
     }
     let reached: BTreeMap<_, _> = imports.keys().map(|module| (module, reached(imports, module))).collect();
     let circle = |module: &Module| {
-        let others = reached
-            .iter()
-            .filter(|(other, reach)| reach.contains(module) && reached[module].contains(**other));
+        let others =
+            reached.iter().filter(|(other, reach)| reach.contains(module) && reached[module].contains(**other));
         others.map(|(other, _)| other.join("::")).collect::<Vec<_>>()
     };
     imports.keys().map(circle).filter(|circle| !circle.is_empty()).collect()
 }
 
-fn circles_of(name: &str) -> BTreeSet<Vec<String>> {
-    let folder = source_folder(name);
-    let mut modules = Crate::new();
-    read(&folder, &[], &mut modules);
-    let imports = imports(&modules);
-    assert!(imports.values().any(|of_module| !of_module.is_empty()), "{name} has imports");
-    circles(&imports)
-}
-
-fn source_folder(name: &str) -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    if name == "protocol" { root.join("protocol/src") } else { root.join("crates").join(name).join("src") }
-}
-
 #[test]
 fn files_import_each_other_in_no_circle() {
-    let crates =
-        std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates")).expect("a folder");
+    let crates = std::fs::read_dir(repository().join("crates")).expect("a folder");
     let names = crates.map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"));
+    let folders = names.map(|name| format!("crates/{name}")).chain(["protocol".into()]);
     let mut found = BTreeSet::new();
-    for name in names.chain(["protocol".into()]) {
-        found.extend(circles_of(&name).into_iter().map(|circle| format!("{name}: {}", circle.join(", "))));
+    for folder in folders {
+        let imports = imports(&read(&folder));
+        assert!(imports.values().any(|of_module| !of_module.is_empty()), "{folder} has imports");
+        let name = folder.trim_start_matches("crates/");
+        found.extend(circles(&imports).into_iter().map(|circle| format!("{name}: {}", circle.join(", "))));
     }
     assert_eq!(found, PAIRS.iter().map(|&pair| pair.to_owned()).collect());
 }
@@ -175,8 +155,7 @@ fn files_import_each_other_in_no_circle() {
 #[test]
 fn planted_circles_are_caught() {
     let planted = |sources: &[(&str, &str)]| {
-        let module =
-            |name: &str| name.split("::").filter(|part| !part.is_empty()).map(str::to_owned).collect();
+        let module = |name: &str| name.split("::").filter(|part| !part.is_empty()).map(str::to_owned).collect();
         let modules: Crate = sources.iter().map(|(name, text)| (module(name), source(text))).collect();
         circles(&imports(&modules)).into_iter().flatten().collect::<Vec<_>>()
     };
@@ -184,40 +163,27 @@ fn planted_circles_are_caught() {
     let none: [&str; 0] = [];
     assert_eq!(planted(&[root, ("a", "use crate::b::Thing;"), ("b", "struct Thing;")]), none);
     assert_eq!(planted(&[root, ("a", "use crate::b::Thing;"), ("b", "use super::a;")]), ["a", "b"]);
-    let through_root =
-        [root, ("a", "use crate::{c::{self, X}, Thing};"), ("b", "fn f() -> crate::a::Y {}"), ("c", "")];
+    let through_root = [root, ("a", "use crate::{c::{self, X}, Thing};"), ("b", "fn f() -> crate::a::Y {}"), ("c", "")];
     assert_eq!(planted(&through_root), ["a", "b"], "what the root gives on is where it comes from");
-    let of_three =
-        [root, ("a", "use crate::b;"), ("b", "    pub(super) use crate::c::Z;"), ("c", "use crate::a;")];
+    let of_three = [root, ("a", "use crate::b;"), ("b", "    pub(super) use crate::c::Z;"), ("c", "use crate::a;")];
     assert_eq!(planted(&of_three), ["a", "b", "c"]);
-    let family =
-        [root, ("a", "mod d;\nuse d::D;"), ("a::d", "use super::A;\nuse crate::b;"), ("b", ""), ("c", "")];
+    let family = [root, ("a", "mod d;\nuse d::D;"), ("a::d", "use super::A;\nuse crate::b;"), ("b", ""), ("c", "")];
     assert_eq!(planted(&family), none, "a module and those within it are one");
-    let in_words = [
-        root,
-        ("a", "// use crate::b;\nuse std::a;"),
-        ("b", "use crate::a;\n#[cfg(test)]\nmod tests {}"),
-        ("c", ""),
-    ];
+    let in_words =
+        [root, ("a", "// use crate::b;\nuse std::a;"), ("b", "use crate::a;\n#[cfg(test)]\nmod tests {}"), ("c", "")];
     assert_eq!(planted(&in_words), none, "comments import nothing");
 }
 
 /// One folder of the store contains all code that names SQLite, so another database could replace that folder.
 #[test]
 fn sqlite_is_named_in_one_folder() {
-    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");
     let others = |name: &str| -> Vec<String> {
-        let mut modules = Crate::new();
-        read(&crates.join(name).join("src"), &[], &mut modules);
+        let modules = read(&format!("crates/{name}"));
         let says = modules.iter().filter(|(_, text)| text.contains("rusqlite") || text.contains("SELECT "));
         let named = says.map(|(module, _)| module.join("::"));
         named.filter(|module| module.split("::").next() != Some("sqlite")).collect()
     };
-    assert_eq!(
-        [others("store"), others("server"), others("bendylights")],
-        [const { Vec::<String>::new() }; 3]
-    );
-    let mut modules = Crate::new();
-    read(&crates.join("store/src"), &[], &mut modules);
+    assert_eq!([others("store"), others("server"), others("bendylights")], [const { Vec::<String>::new() }; 3]);
+    let modules = read("crates/store");
     assert!(modules[&vec!["sqlite".to_owned()]].contains("rusqlite"), "where it is, it is found");
 }

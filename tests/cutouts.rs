@@ -6,38 +6,24 @@
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 
-use std::path::Path;
-use std::sync::{Arc, LazyLock};
+use std::collections::BTreeSet;
 
 use bench::compare::{Comparison, ComparisonSubject, ExpectedPicture, RenderedSubject};
-use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, Vec2, Vec3, Vec4};
+use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3, Vec4};
 use light::parameters::{CONE_ANGLE, DECAY, RANGE, ROTATION, TRANSLATION};
-use light::{Decay, Light, LightInstance, ParameterOwner};
+use light::{Decay, Light, ParameterOwner};
+use rayon::prelude::*;
 use reference::Reference;
-use render::{Gpu, Renderer, ShadowSettings};
-use scene::{
-    Aov, Camera, Image, Material, Mesh, Node, Primitive, Projection, Sampler, Scene, TextureRef, View,
-    ViewRay,
-};
+use render::{Renderer, ShadowSettings};
+use scene::{Aov, Camera, Image, Material, Primitive, Sampler, Scene, TextureRef, View, ViewRay};
 
-static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| Arc::new(Gpu::new().expect("a graphics driver")));
+use crate::boxes::{add_mesh, camera};
+use crate::pictures::{alone, compared_size, save_panels, shared_asset};
 
 fn renderer(scene: &Scene) -> Renderer {
-    let mut renderer = Renderer::new(Arc::clone(&GPU)).expect("a renderer");
+    let mut renderer = crate::pictures::renderer();
     renderer.set_scene(&scene::pose(scene.clone())).expect("the scene fits");
     renderer
-}
-
-fn camera(eye: [f64; 3], target: [f64; 3], yfov: f64) -> Camera {
-    let (eye, target) = (DVec3::from_array(eye), DVec3::from_array(target));
-    let back = (eye - target).normalize();
-    let right = DVec3::Y.cross(back).normalize();
-    Camera {
-        name: String::new(),
-        translation: eye,
-        rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
-        projection: Projection::Perspective { yfov, aspect_ratio: None, znear: 0.05, zfar: None },
-    }
 }
 
 /// Element `k` of an even sequence in 0 to 1 without repetition.
@@ -141,8 +127,7 @@ const CARD: f64 = 32.0;
 fn wall(leaves: &Leaves, texels: f64, slant: f64) -> Scene {
     let pixel = 2.0 * DISTANCE * (0.5 * YFOV).tan() / f64::from(PICTURE);
     let shown = leaves.used_texels.unwrap_or(f64::INFINITY).min(CARD * texels);
-    let (side, up) =
-        (shown / texels * pixel, DVec3::new(0.0, slant.to_radians().cos(), -slant.to_radians().sin()));
+    let (side, up) = (shown / texels * pixel, DVec3::new(0.0, slant.to_radians().cos(), -slant.to_radians().sin()));
     // Larger than the picture, which is rotated, and larger again because distant parts fill less of it.
     let half = 0.75 * f64::from(PICTURE) * pixel;
     let (columns, rows) = ((half / side).ceil() as i32, (half / up.y / side).ceil() as i32);
@@ -158,8 +143,7 @@ fn wall(leaves: &Leaves, texels: f64, slant: f64) -> Scene {
         for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
             let across = DVec3::X * (f64::from(column) + x) * side;
             let at = DVec3::new(0.0, 0.0, -DISTANCE) + across + up * (f64::from(row) + y) * side;
-            let uv =
-                [start[0] + x * shown, start[1] + (1.0 - y) * shown].map(|texel| (texel / texture) as f32);
+            let uv = [start[0] + x * shown, start[1] + (1.0 - y) * shown].map(|texel| (texel / texture) as f32);
             cards.positions.push(at.as_vec3());
             cards.normals.push(Vec3::Z);
             cards.uvs.push(Vec2::from(uv));
@@ -171,14 +155,10 @@ fn wall(leaves: &Leaves, texels: f64, slant: f64) -> Scene {
 }
 
 fn scene_of(leaves: &Leaves, primitives: Vec<Primitive>) -> Scene {
-    let name = String::new();
-    Scene {
-        nodes: vec![Node { name, parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) }],
-        meshes: vec![Mesh { name: String::new(), primitives }],
-        materials: vec![leaves.material()],
-        images: vec![leaves.image.clone()],
-        ..Scene::default()
-    }
+    let (materials, images) = (vec![leaves.material()], vec![leaves.image.clone()]);
+    let mut scene = Scene { materials, images, ..Scene::default() };
+    add_mesh(&mut scene, DAffine3::IDENTITY, primitives);
+    scene
 }
 
 /// Share of each pixel that a scene covers, in views of equal size, one below the other.
@@ -202,31 +182,18 @@ impl Coverage {
     /// Coverage of the scene with alpha at full resolution, with `grid` times `grid` samples per pixel.
     fn cast(reference: &Reference, views: &[View], grid: u32) -> Self {
         let seen = |view: &View, pixel: u32, k: u32| {
-            let place = |pixel: u32, k: u32| f64::from(pixel) + (f64::from(k) + 0.5) / f64::from(grid);
-            let at = DVec2::new(place(pixel % view.width, k % grid), place(pixel / view.width, k / grid));
+            let position = |pixel: u32, k: u32| f64::from(pixel) + (f64::from(k) + 0.5) / f64::from(grid);
+            let at = DVec2::new(position(pixel % view.width, k % grid), position(pixel / view.width, k / grid));
             let origin = reference.bvh.posed.origin_in_world;
-            reference
-                .bvh
-                .visible_point(&ViewRay::new(&view.camera, [view.width, view.height], at, origin))
-                .is_some()
+            reference.bvh.visible_point(&ViewRay::new(&view.camera, [view.width, view.height], at, origin)).is_some()
         };
         let share = |(view, pixel): &(&View, u32)| {
             let count = (0..grid * grid).filter(|k| seen(view, *pixel, *k)).count();
             count as f64 / f64::from(grid * grid)
         };
-        let pixels: Vec<_> = views
-            .iter()
-            .flat_map(|view| (0..view.width * view.height).map(move |pixel| (view, pixel)))
-            .collect();
-        let threads = std::thread::available_parallelism().expect("they can be counted").get();
-        let pixels = std::thread::scope(|scope| {
-            let parts: Vec<_> = pixels
-                .chunks(pixels.len().div_ceil(threads))
-                .map(|part| scope.spawn(move || part.iter().map(share).collect::<Vec<_>>()))
-                .collect();
-            parts.into_iter().flat_map(|part| part.join().expect("it does not panic")).collect()
-        });
-        Self { width: views[0].width as usize, pixels }
+        let pixels: Vec<_> =
+            views.iter().flat_map(|view| (0..view.width * view.height).map(move |pixel| (view, pixel))).collect();
+        Self { width: views[0].width as usize, pixels: pixels.par_iter().map(share).collect() }
     }
 
     /// Share of the whole picture that is covered.
@@ -299,9 +266,8 @@ fn foliage_covers_what_it_should() {
     let views = wall_view();
     let (mut found, mut unseen) = (Vec::new(), Vec::new());
     for (name, leaves) in [("strewn", Leaves::strewn()), ("of an atlas", Leaves::of_atlas())] {
-        for (texels, slant) in [1.0, 4.0, 16.0, 64.0]
-            .into_iter()
-            .flat_map(|texels| [0.0, 60.0, 80.0].map(|slant| (texels, slant)))
+        for (texels, slant) in
+            [1.0, 4.0, 16.0, 64.0].into_iter().flat_map(|texels| [0.0, 60.0, 80.0].map(|slant| (texels, slant)))
         {
             println!("{name}, {texels} texels a pixel, {slant} degrees:");
             let scene = wall(&leaves, texels, slant);
@@ -310,10 +276,11 @@ fn foliage_covers_what_it_should() {
             // The planted faults: mip levels chosen by the shorter and by the longer extent of a pixel. Averages of two
             // texels are still leaves.
             let longer = texels / f64::cos(slant.to_radians());
-            for level in [texels, longer].map(|texels| (texels.log2() as u32).min(SIDE.ilog2())) {
+            let levels = BTreeSet::from([texels, longer].map(|texels| (texels.log2() as u32).min(SIDE.ilog2())));
+            for level in levels.into_iter().filter(|level| *level >= 2) {
                 let images = vec![averaged(&leaves.image, level)];
                 let averaged = Coverage::drawn(&Scene { images, ..scene.clone() }, &views);
-                if level >= 2 && fault(&averaged, &truth).is_none() {
+                if fault(&averaged, &truth).is_none() {
                     unseen.push((name, texels, slant, level));
                 }
             }
@@ -327,22 +294,21 @@ fn foliage_covers_what_it_should() {
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn flowers_of_shared_assets_cover_what_they_should() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/gltf/khronos/GlassVaseFlowers.glb");
-    let mut scene = assets::load(Path::new(file)).expect("the scene is sound").scene;
+    let file = shared_asset("gltf/khronos/GlassVaseFlowers.glb");
+    let mut scene = assets::load(&file).expect("the scene is sound").scene;
     let Scene { meshes, materials, .. } = &mut scene;
     for mesh in meshes {
         mesh.primitives.retain(|primitive| materials[primitive.material].alpha_cutoff.is_some());
     }
     let posed = scene::pose(scene.clone());
     let (middle, reach) = (posed.origin_in_world, posed.half_extent.length());
-    let averaged =
-        Scene { images: scene.images.iter().map(|image| averaged(image, 6)).collect(), ..scene.clone() };
+    let averaged = Scene { images: scene.images.iter().map(|image| averaged(image, 6)).collect(), ..scene.clone() };
     // The total number of pixels is equal, and the flowers have a tenth of them.
     for (side, turns) in [(320, 1), (80, 16), (24, 178)] {
         for degrees in [0.0_f64, 60.0, 80.0] {
             let away = DVec3::new(degrees.to_radians().sin(), 0.2, degrees.to_radians().cos()).normalize();
             let eye = middle + 20.0 * reach * away;
-            let camera = camera(eye.to_array(), middle.to_array(), 0.1);
+            let camera = camera(eye, middle, 0.1);
             let turned = |turn: u32| {
                 let rotation = camera.rotation * DQuat::from_rotation_z(0.3 + f64::from(turn));
                 View::beauty(Camera { rotation, ..camera.clone() }, [side; 2])
@@ -356,13 +322,6 @@ fn flowers_of_shared_assets_cover_what_they_should() {
     }
 }
 
-/// Pixels: small enough for every build, or as the environment variable says.
-fn size() -> [u32; 2] {
-    let Ok(size) = std::env::var("BENDYLIGHTS_ACCURACY_SIZE") else { return [240, 134] };
-    let (width, height) = size.split_once('x').expect("the size is written WIDTHxHEIGHT");
-    [width, height].map(|side| side.parse().expect("a side is a number of pixels"))
-}
-
 /// The demo with alpha-tested geometry of four materials, each with different wrapping, two with alpha at their
 /// vertices.
 fn arbor() -> Scene {
@@ -373,11 +332,6 @@ fn key() -> Light {
     let light = assets::demo("arbor").expect("the demo").contents.lights[0].light().clone();
     assert_eq!(light.owner(), ParameterOwner::Bendy, "the key is a BendyLight");
     light
-}
-
-/// The light alone, checked for a renderer.
-fn alone(light: &Light) -> Vec<LightInstance> {
-    LightInstance::numbered([light.clone()]).expect("a light")
 }
 
 /// A spotlight at the camera, in its direction.
@@ -408,29 +362,17 @@ fn cameras() -> [(&'static str, Camera, f64); 3] {
 }
 
 fn subject(name: &str, scene: Scene, light: Light, camera: Camera) -> ComparisonSubject {
-    ComparisonSubject::new(name, scene, light, View::beauty(camera, size()))
+    // Small enough for every build.
+    ComparisonSubject::new(name, scene, light, View::beauty(camera, compared_size([240, 134])))
 }
 
 /// Compares the picture of `scene` under `drawn` with the reference of `subject`.
-fn compared(
-    subject: &ComparisonSubject,
-    scene: &Scene,
-    drawn: &Light,
-    shadows: ShadowSettings,
-) -> Comparison {
-    let drawn = RenderedSubject::under(&mut renderer(scene), subject, &alone(drawn), shadows)
-        .expect("it can be drawn");
+fn compared(subject: &ComparisonSubject, scene: &Scene, drawn: &Light, shadows: ShadowSettings) -> Comparison {
+    let drawn = RenderedSubject::under(&mut renderer(scene), subject, &alone(drawn), shadows).expect("it can be drawn");
     let expected = ExpectedPicture::new(subject, || {}).expect("the light is valid");
     let comparison = expected.compare(&drawn);
-    if let Ok(folder) = std::env::var("BENDYLIGHTS_ACCURACY_PICTURES") {
-        let file = Path::new(&folder).join(format!("{}.png", subject.name));
-        expected.panels(&drawn, &comparison).save(file).expect("the picture can be written");
-    }
+    save_panels(&subject.name, &expected, &drawn, &comparison);
     comparison
-}
-
-fn comparison_text(subject: &ComparisonSubject, found: &Comparison) -> String {
-    format!("{}: {}", subject.name, serde_json::to_string(found).expect("plain data"))
 }
 
 /// Under a bent light and under a spotlight, no pixel away from an edge is wrong.
@@ -442,17 +384,17 @@ fn holes_throw_their_shadows() {
         for (name, camera, radiance_error) in cameras() {
             let subject = subject(&format!("{light}-{name}"), arbor(), model.clone(), camera);
             let found = compared(&subject, &subject.scene, &drawn, ShadowSettings::default());
-            let told = comparison_text(&subject, &found);
-            println!("{told}");
-            assert!(found.in_light > found.pixels / 4 && found.boundary > found.pixels / 200, "{told}");
+            let text = format!("{}: {}", subject.name, serde_json::to_string(&found).expect("plain data"));
+            println!("{text}");
+            assert!(found.in_light > found.pixels / 4 && found.boundary > found.pixels / 200, "{text}");
             // Both see the same holes, to the pixel.
-            assert!(found.silhouettes <= found.pixels / 10_000, "{told}");
+            assert!(found.silhouettes <= found.pixels / 10_000, "{text}");
             // If leaves cross, a caster nearer than a texel is taken for the receiver.
-            assert!(found.missed <= found.pixels / 10_000, "{told}");
-            assert_eq!((found.false_shadow, found.not_finite), (0, 0), "{told}");
+            assert!(found.missed <= found.pixels / 10_000, "{text}");
+            assert_eq!((found.false_shadow, found.not_finite), (0, 0), "{text}");
             // Nothing is wrong at grazing light. Shadows of holes may be narrower than the step between pixels.
-            assert!(found.off_edge <= found.pixels / 5_000, "{told}");
-            assert!(found.radiance_rmse <= radiance_error, "{told}");
+            assert!(found.off_edge <= found.pixels / 5_000, "{text}");
+            assert!(found.radiance_rmse <= radiance_error, "{text}");
         }
     }
 }
@@ -467,7 +409,7 @@ fn solid_shadows_are_seen() {
         let subject = subject("solid", arbor(), key(), camera);
         compared(&subject, &solid, &key(), ShadowSettings::default())
     };
-    let (shadows, leaves) = (found(shadows), found(leaves));
+    let [shadows, leaves] = [shadows, leaves].map(found);
     assert!(shadows.false_shadow > shadows.pixels / 20, "{shadows:?}");
     assert!(leaves.silhouettes > leaves.pixels / 20, "{leaves:?}");
 }
@@ -495,10 +437,7 @@ fn share_of_light(image: Image, light: &Light, resolution: u32) -> f64 {
     let shadows = ShadowSettings { resolution, straighten: false, ..ShadowSettings::default() };
     renderer.set_shadow_settings(shadows).expect("they are sound");
     // View from below the sheet of the lit part of the floor.
-    let view = View {
-        aov: Aov::Visibility,
-        ..View::beauty(camera([0.0, 1.9, 0.1], [0.0, 0.0, 0.0], 0.9), [200, 200])
-    };
+    let view = View { aov: Aov::Visibility, ..View::beauty(camera([0.0, 1.9, 0.1], [0.0, 0.0, 0.0], 0.9), [200, 200]) };
     let picture = renderer.render(&view, &alone(light)).expect("it can be drawn");
     let inside: Vec<_> = picture.pixels.iter().filter(|pixel| pixel[3] == 1.0).collect();
     assert!(inside.len() > 20_000, "{}", inside.len());

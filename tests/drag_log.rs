@@ -41,8 +41,7 @@ fn demo() -> (Bvh, Viewport, Document) {
     let view = Viewport { camera: demo.contents.cameras[0].clone(), size: SIZE };
     let mut document = Document::default();
     let light = Command::AddLight(Arc::clone(&demo.contents.lights[0]));
-    let added =
-        document::execute_command(&document, &light, CommandContext::default()).expect("a light is added");
+    let added = document::execute_command(&document, &light, CommandContext::default()).expect("a light is added");
     document.apply(&added.changes).expect("it is new");
     (Bvh::new(scene::pose(demo.scene)), view, document)
 }
@@ -53,14 +52,14 @@ fn any_drag(random: &mut Random, view: &Viewport) -> FeatureDrag {
     let radii = [RadiusMode::Keep, RadiusMode::Solve, RadiusMode::Follow];
     let subsets = [None, Some(vec![4]), Some(vec![2, 3]), Some(vec![1, 2, 3, 4])];
     let from = DVec2::new(random.share() * f64::from(SIZE[0]), random.share() * f64::from(SIZE[1]));
-    let way = DVec2::new(random.share() - 0.5, random.share() - 0.5) * 20.0;
+    let offset = DVec2::new(random.share() - 0.5, random.share() - 0.5) * 20.0;
     FeatureDrag {
         feature: features[random.below(4)],
         points: subsets[random.below(4)].clone(),
         radii: radii[random.below(3)],
         view: view.clone(),
         from,
-        to: from + way,
+        to: from + offset,
         source_outside: false,
     }
 }
@@ -89,11 +88,9 @@ fn made() -> (Vec<String>, Session) {
         lines.push(protocol::Record::from(&record).to_json());
         if drags % 200 > 0 && !record.changes.is_empty() {
             let undo = EditRequest::Undo(UndoScope::Mine);
-            let taken_back =
-                session.find_revert(&undo, &ada.id, &|_| Some(record.clone())).expect("it can be");
+            let taken_back = session.find_revert(&undo, &ada.id, &|_| Some(record.clone())).expect("it can be");
             let sources = EditSources { reverted: taken_back, ..EditSources::default() };
-            let undone =
-                session.execute_request(undo, &ada, &format!("undo-{drags}"), 0, sources).expect("it can be");
+            let undone = session.execute_request(undo, &ada, &format!("undo-{drags}"), 0, sources).expect("it can be");
             lines.push(protocol::Record::from(&undone).to_json());
         }
     }
@@ -123,8 +120,5 @@ fn a_log_of_many_drags_is_the_same_everywhere() {
     }
     assert_eq!(replayed.document().hash(), session.document().hash());
     assert_ne!(replayed.document().hash(), document.hash(), "the planted fault: a log that does nothing");
-    assert_eq!(
-        hash, HASH,
-        "the solver gives other lights: raise `drag::SOLVER`'s version, and note the hash"
-    );
+    assert_eq!(hash, HASH, "the solver gives other lights: raise `drag::SOLVER`'s version, and note the hash");
 }

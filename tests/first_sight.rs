@@ -7,8 +7,10 @@ use assets::LoadedScene;
 use glam::{DQuat, DVec3};
 use light::LightInstance;
 use light::parameters::ROTATION;
-use render::{Gpu, Renderer};
+use render::Renderer;
 use scene::{DEFAULT_ASPECT, View, framing_camera};
+
+use crate::pictures::{renderer, shared_asset};
 
 const SIZE: [u32; 2] = [160, 90];
 
@@ -58,11 +60,9 @@ fn from_behind(mut lit: LoadedScene) -> LoadedScene {
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn scenes_of_shared_assets_without_lights_are_readable() {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets"));
-    assert!(folder.is_dir(), "{} is missing", folder.display());
-    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer");
+    let mut renderer = renderer();
     let (mut tried, mut dark_from_behind) = (0, 0);
-    for path in [scene_files(&folder.join("gltf")), scene_files(&folder.join("scenes"))].concat() {
+    for path in ["gltf", "scenes"].map(|folder| scene_files(&shared_asset(folder))).concat() {
         let Ok(unlit) = assets::load(&path) else { continue };
         let lit = unlit.clone().with_default_light();
         if lit.contents.lights.len() == unlit.contents.lights.len() {

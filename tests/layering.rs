@@ -3,15 +3,19 @@
 //! Only shipped code counts: normal dependencies, direct and transitive, not those of tests and build scripts.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use cargo_metadata::{DependencyKind, MetadataCommand};
+use serde_json::Value;
+
+use crate::processes::output_of;
+
+use crate::sources::sources;
 
 /// Rules for the dependencies of a crate of the workspace.
 struct Layer {
     name: &'static str,
-    /// Crates of the workspace that its manifest may name.
-    uses: &'static [&'static str],
+    /// Crates of the workspace that its manifest may name, with a space between names.
+    uses: &'static str,
     /// Packages that it must not reach.
     never: &'static [&'static str],
     /// True if it may use no clock, IO or environment: it is a function of its arguments alone.
@@ -24,112 +28,41 @@ const OF_STUDIES: &[&str] = &["studies", "proptest"];
 /// Packages that a crate without IO and wire form must not reach.
 const NO_IO: &[&str] = &["tokio", "wgpu", "axum", "serde", "serde_core", "rand", "getrandom"];
 
+/// Crate that may use those of `uses` and must not reach those of `never`.
+const fn layer(name: &'static str, uses: &'static str, never: &'static [&'static str]) -> Layer {
+    Layer { name, uses, never, pure: false }
+}
+
+/// Crate that may use those of `uses`, without IO and wire form.
+const fn pure(name: &'static str, uses: &'static str) -> Layer {
+    Layer { name, uses, never: NO_IO, pure: true }
+}
+
 const LAYERS: &[Layer] = &[
-    Layer { name: "light", uses: &[], never: NO_IO, pure: true },
-    Layer { name: "scene", uses: &["light"], never: NO_IO, pure: true },
-    Layer { name: "hierarchy", uses: &[], never: NO_IO, pure: true },
-    Layer { name: "document", uses: &["light", "scene", "raycast", "drag"], never: NO_IO, pure: true },
-    Layer { name: "raycast", uses: &["light", "scene", "hierarchy"], never: NO_IO, pure: true },
-    Layer { name: "drag", uses: &["light", "scene", "raycast"], never: NO_IO, pure: true },
-    Layer {
-        name: "reference",
-        uses: &["light", "scene", "raycast"],
-        never: &["tokio", "wgpu", "axum", "serde", "render"],
-        pure: false,
-    },
-    Layer { name: "edit", uses: &["light", "scene", "document"], never: NO_IO, pure: true },
-    Layer {
-        name: "assets",
-        uses: &["light", "scene", "document"],
-        never: &["tokio", "wgpu", "axum", "protocol"],
-        pure: false,
-    },
-    Layer { name: "relight", uses: &["light"], never: NO_IO, pure: false },
-    Layer {
-        name: "render",
-        uses: &["light", "scene", "hierarchy", "relight"],
-        never: &["tokio", "axum", "protocol"],
-        pure: false,
-    },
-    Layer { name: "stream", uses: &[], never: &["tokio", "wgpu", "axum"], pure: false },
-    Layer {
-        name: "protocol",
-        uses: &["light", "scene", "document", "edit", "drag", "reference"],
-        never: &["tokio", "wgpu", "axum"],
-        pure: false,
-    },
-    Layer {
-        name: "store",
-        uses: &["light", "scene", "document", "edit", "protocol"],
-        never: &["tokio", "wgpu", "axum"],
-        pure: false,
-    },
-    Layer {
-        name: "server",
-        uses: &[
-            "light",
-            "scene",
-            "raycast",
-            "drag",
-            "reference",
-            "document",
-            "assets",
-            "edit",
-            "render",
-            "store",
-            "stream",
-            "protocol",
-        ],
-        never: &["clap"],
-        pure: false,
-    },
-    Layer {
-        name: "bendylights",
-        uses: &[
-            "light",
-            "scene",
-            "document",
-            "edit",
-            "assets",
-            "raycast",
-            "drag",
-            "reference",
-            "render",
-            "protocol",
-            "store",
-            "server",
-            "bench",
-            "cli",
-        ],
-        never: OF_STUDIES,
-        pure: false,
-    },
-    Layer {
-        name: "bench",
-        uses: &["light", "scene", "raycast", "drag", "reference", "relight", "render", "protocol", "stream"],
-        never: &["tokio", "axum"],
-        pure: false,
-    },
-    Layer {
-        name: "studies",
-        uses: &[
-            "light",
-            "scene",
-            "assets",
-            "raycast",
-            "drag",
-            "reference",
-            "relight",
-            "render",
-            "protocol",
-            "bench",
-            "cli",
-        ],
-        never: &["tokio", "axum"],
-        pure: false,
-    },
-    Layer { name: "cli", uses: &["protocol"], never: &["tokio", "wgpu", "axum", "clap"], pure: false },
-    Layer { name: "bendylights-tests", uses: &[], never: &[], pure: false },
+    pure("light", ""),
+    pure("scene", "light"),
+    pure("hierarchy", ""),
+    pure("document", "light scene raycast drag"),
+    pure("raycast", "light scene hierarchy"),
+    pure("drag", "light scene raycast"),
+    layer("reference", "light scene raycast", &["tokio", "wgpu", "axum", "serde", "render"]),
+    pure("edit", "light scene document"),
+    layer("assets", "light scene document", &["tokio", "wgpu", "axum", "protocol"]),
+    layer("relight", "light", NO_IO),
+    layer("render", "light scene hierarchy relight", &["tokio", "axum", "protocol"]),
+    layer("stream", "", &["tokio", "wgpu", "axum"]),
+    layer("protocol", "light scene document edit drag reference", &["tokio", "wgpu", "axum"]),
+    layer("store", "light scene document edit protocol", &["tokio", "wgpu", "axum"]),
+    layer("server", "light scene raycast drag reference document assets edit render store stream protocol", &["clap"]),
+    layer(
+        "bendylights",
+        "light scene document edit assets raycast drag reference render protocol store server bench cli",
+        OF_STUDIES,
+    ),
+    layer("bench", "light scene raycast drag reference relight render protocol stream", &["tokio", "axum"]),
+    layer("studies", "light scene assets raycast drag reference relight render protocol bench cli", &["tokio", "axum"]),
+    layer("cli", "protocol", &["tokio", "wgpu", "axum", "clap"]),
+    layer("bendylights-tests", "", &[]),
 ];
 
 /// Names that do not describe a crate.
@@ -154,31 +87,33 @@ const IMPURE: &[&str] = &[
 type Graph = BTreeMap<String, BTreeSet<String>>;
 
 struct Workspace {
-    members: BTreeMap<String, PathBuf>,
+    members: Vec<String>,
     uses: Graph,
 }
 
 fn workspace() -> Workspace {
     // One platform's dependencies are enough, and are the only ones that a build has downloaded.
     let platform = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
-    let metadata = MetadataCommand::new()
-        .manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml"))
-        .other_options(["--locked".into(), "--filter-platform".into(), platform])
-        .exec()
-        .expect("cargo metadata");
-    let members = metadata.workspace_packages().into_iter().map(|package| {
-        let folder = package.manifest_path.parent().expect("a manifest lies in a folder");
-        (package.name.to_string(), folder.as_std_path().to_owned())
-    });
-    let resolve = metadata.resolve.as_ref().expect("a dependency graph");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["metadata", "--format-version", "1", "--locked", "--filter-platform", &platform]);
+    let metadata: Value = serde_json::from_str(&output_of(&mut cargo)).expect("JSON");
+    let list = |value: &Value| value.as_array().expect("a list").clone();
+    let packages = list(&metadata["packages"]);
+    let names: BTreeMap<String, String> =
+        packages.iter().map(|package| (text(&package["id"]), text(&package["name"]))).collect();
     let mut uses = Graph::new();
-    for node in &resolve.nodes {
-        let normal =
-            node.deps.iter().filter(|dep| dep.dep_kinds.iter().any(|k| k.kind == DependencyKind::Normal));
-        let names = normal.map(|dep| metadata[&dep.pkg].name.to_string());
-        uses.entry(metadata[&node.id].name.to_string()).or_default().extend(names);
+    for node in list(&metadata["resolve"]["nodes"]) {
+        // A normal dependency has no kind.
+        let is_normal = |dep: &Value| list(&dep["dep_kinds"]).iter().any(|kind| kind["kind"].is_null());
+        let normal = list(&node["deps"]).into_iter().filter(is_normal).map(|dep| names[&text(&dep["pkg"])].clone());
+        uses.entry(names[&text(&node["id"])].clone()).or_default().extend(normal);
     }
-    Workspace { members: members.collect(), uses }
+    let members = list(&metadata["workspace_members"]).iter().map(|id| names[&text(id)].clone()).collect();
+    Workspace { members, uses }
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().expect("a text").into()
 }
 
 /// Returns a sentence for each broken rule.
@@ -192,7 +127,8 @@ fn violations(members: &[&str], uses: &Graph) -> Vec<String> {
             broken.push(format!("{name}: has no layer: say in LAYERS what it may use"));
             continue;
         };
-        for used in members.iter().filter(|used| uses[name].contains(**used) && !layer.uses.contains(used)) {
+        let may_use = |used: &str| layer.uses.split(' ').any(|name| name == used);
+        for used in members.iter().filter(|used| uses[name].contains(**used) && !may_use(used)) {
             broken.push(format!("{name}: must not use {used}"));
         }
         for (reached, path) in reach(name, uses) {
@@ -225,7 +161,7 @@ fn reach<'a>(start: &'a str, uses: &'a Graph) -> BTreeMap<&'a str, Vec<&'a str>>
 fn the_workspace_keeps_its_layers() {
     let workspace = workspace();
     assert!(workspace.uses["scene"].contains("light"), "the graph has its edges");
-    let members: Vec<_> = workspace.members.keys().map(String::as_str).collect();
+    let members: Vec<_> = workspace.members.iter().map(String::as_str).collect();
     let broken = violations(&members, &workspace.uses);
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
@@ -239,7 +175,7 @@ fn planted_violations_are_caught() {
             uses.entry(from.into()).or_default().insert(to.into());
             uses.entry(to.into()).or_default();
         }
-        let members: Vec<_> = real.members.keys().map(String::as_str).chain(more.iter().copied()).collect();
+        let members: Vec<_> = real.members.iter().map(String::as_str).chain(more.iter().copied()).collect();
         let broken = violations(&members, &uses);
         assert!(broken.iter().any(|sentence| sentence.contains(expected)), "{expected}: {broken:?}");
     };
@@ -258,22 +194,13 @@ fn impurities(source: &str) -> Vec<&str> {
     source.lines().filter(|line| IMPURE.iter().any(|word| line.contains(word))).collect()
 }
 
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
-    let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
-    let here = files.into_iter().filter(|path| path.extension().is_some_and(|e| e == "rs"));
-    here.chain(folders.iter().flat_map(|folder| rust_files(folder))).collect()
-}
-
 #[test]
 fn pure_crates_have_no_clock_and_no_io() {
-    let workspace = workspace();
     for layer in LAYERS.iter().filter(|layer| layer.pure) {
-        let files = rust_files(&workspace.members[layer.name].join("src"));
+        let files = sources(&[&format!("crates/{}/src", layer.name)], &["rs"]);
         assert!(!files.is_empty(), "{} has source files", layer.name);
         for file in files {
-            let source = std::fs::read_to_string(&file).expect("a source file");
-            assert_eq!(impurities(&source), [""; 0], "{}", file.display());
+            assert_eq!(impurities(&file.text), [""; 0], "{}", file.path);
         }
     }
     assert_eq!(impurities("use glam::DVec3;\nuse std::time::Instant;").len(), 1, "a planted clock is caught");

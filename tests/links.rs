@@ -1,20 +1,20 @@
 //! Compares links on the GPU with the reference, which traces every ray: of spotlights and bent lights, with
 //! alpha-tested geometry, with two nodes of one mesh, and with nested nodes.
 
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex};
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
 use light::parameters::{CONE_ANGLE, DECAY, LIGHT_LINK, RANGE, ROTATION, SHADOW_LINK, TRANSLATION};
-use light::{Decay, Light, LightInstance, Links};
+use light::{Decay, Light, Links};
 use reference::Reference;
-use render::{Gpu, Renderer};
+use render::Renderer;
 use scene::{Aov, Image, Material, Mesh, Node, PosedScene, Primitive, Sampler, TextureRef, View};
+
+use crate::pictures::{PictureError, alone, around, draw_with, renderer};
 
 const SIZE: [u32; 2] = [160, 90];
 
-static RENDERER: LazyLock<Mutex<Renderer>> = LazyLock::new(|| {
-    Mutex::new(Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer"))
-});
+static RENDERER: LazyLock<Mutex<Renderer>> = LazyLock::new(|| Mutex::new(renderer()));
 
 /// The demo's table, and on it a shelf with two vases of the same name and two alpha-tested cards, which share one
 /// mesh.
@@ -22,12 +22,8 @@ static SHELF: LazyLock<(Arc<PosedScene>, View)> = LazyLock::new(|| {
     let loaded = assets::demo("vases").expect("the demo");
     let mut scene = loaded.scene;
     let [table, blue, orange] = &scene.nodes[..] else { panic!("a table and two vases") };
-    let node = |name: &str, parent, parent_from_local, mesh| Node {
-        name: name.into(),
-        parent,
-        parent_from_local,
-        mesh,
-    };
+    let node =
+        |name: &str, parent, parent_from_local, mesh| Node { name: name.into(), parent, parent_from_local, mesh };
     let vase = |vase: &Node| node("vase", Some(1), vase.parent_from_local, vase.mesh);
     let card = |at: [f64; 3]| {
         let tilted = DQuat::from_rotation_z(-0.4);
@@ -82,27 +78,19 @@ fn links(include: &[&str], exclude: &[&str]) -> Option<Links> {
     Links::new(list(include), list(exclude))
 }
 
-fn instances(light: &Light) -> Vec<LightInstance> {
-    LightInstance::numbered([light.clone()]).expect("a light")
-}
+/// Radiance by the reference of the pixels away from edges: all adjacent pixels show the same node with the same
+/// visibility.
+struct ExpectedRadiance(Vec<Option<DVec3>>);
 
-/// Radiance by the reference, and the pixels away from edges.
-struct VisiblePixels {
-    radiance: Vec<DVec3>,
-    /// True if all adjacent pixels show the same node with the same visibility.
-    even: Vec<bool>,
-}
-
-impl VisiblePixels {
+impl ExpectedRadiance {
     fn new(light: &Light) -> Self {
         let (posed, view) = &*SHELF;
         let reference = Reference::new(Arc::clone(posed));
         let render = |aov| {
             let view = View { aov, ..view.clone() };
-            reference.render(&view, &instances(light), || {}).expect("it can be drawn").pixels
+            reference.render(&view, &alone(light), || {}).expect("it can be drawn").pixels
         };
-        let radiance = render(Aov::Beauty).iter().map(|p| DVec3::new(p[0], p[1], p[2])).collect();
-        let [width, height] = SIZE.map(|side| side as usize);
+        let width = SIZE[0] as usize;
         let at = |pixel: usize| DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
         let shown: Vec<_> = render(Aov::Visibility)
             .iter()
@@ -112,29 +100,16 @@ impl VisiblePixels {
                 (node, [seen[0], seen[3]].map(f64::to_bits))
             })
             .collect();
-        let even = (0..width * height).map(|pixel| {
-            let (x, y) = (pixel % width, pixel / width);
-            let around = |x: usize, most: usize| x.saturating_sub(1)..(x + 2).min(most);
-            around(y, height).all(|y| around(x, width).all(|x| shown[y * width + x] == shown[pixel]))
-        });
-        Self { radiance, even: even.collect() }
+        let is_even = |pixel: usize| around(pixel, SIZE, 1).all(|other| shown[other] == shown[pixel]);
+        let radiance = |(pixel, [r, g, b, _]): (usize, [f64; 4])| is_even(pixel).then_some(DVec3::new(r, g, b));
+        Self(render(Aov::Beauty).into_iter().enumerate().map(radiance).collect())
     }
 
-    /// Relative root mean square error of the GPU's picture under `light`, over pixels away from edges.
-    fn error(&self, light: &Light) -> f64 {
+    /// Error of the GPU's picture under `light`.
+    fn error(&self, light: &Light) -> PictureError {
         let (posed, view) = &*SHELF;
-        let mut renderer = RENDERER.lock().unwrap_or_else(PoisonError::into_inner);
-        renderer.set_scene(posed).expect("it fits");
-        let drawn = renderer.render(view, &instances(light)).expect("it can be drawn");
-        let mut sums = [0.0, 0.0];
-        let pixels = drawn.pixels.iter().zip(&self.radiance).zip(&self.even).filter(|(_, even)| **even);
-        for ((drawn, right), _) in pixels {
-            let drawn = DVec3::new(drawn[0].into(), drawn[1].into(), drawn[2].into());
-            sums[0] += (drawn - right).length_squared();
-            sums[1] += right.length_squared();
-        }
-        assert!(sums[1] > 0.0, "something is lit");
-        (sums[0] / sums[1]).sqrt()
+        assert!(self.0.iter().flatten().any(|radiance| *radiance != DVec3::ZERO), "something is lit");
+        PictureError::new(&draw_with(&RENDERER, posed, view, &alone(light)), self.0.iter().copied())
     }
 }
 
@@ -152,22 +127,21 @@ fn links_are_what_the_reference_says() {
     for key in keys() {
         for (lit, throwing) in &cases {
             let linked = key.clone().with(LIGHT_LINK, lit.clone()).with(SHADOW_LINK, throwing.clone());
-            let seen = VisiblePixels::new(&linked);
-            let even = seen.even.iter().filter(|even| **even).count();
-            let error = seen.error(&linked);
+            let expected = ExpectedRadiance::new(&linked);
+            let PictureError { relative_rmse: error, compared: even } = expected.error(&linked);
             // The planted faults: no links, and those of the other vase and card.
             let other = |links: &Option<Links>| {
                 let renamed = |paths: &[String]| paths.iter().map(|path| path.replace("#2", "")).collect();
                 Links::new(renamed(links.as_ref()?.include()), renamed(links.as_ref()?.exclude()))
             };
-            let unlinked = seen.error(&key);
+            let unlinked = expected.error(&key).relative_rmse;
             let mistaken = key.clone().with(LIGHT_LINK, other(lit)).with(SHADOW_LINK, other(throwing));
-            let mistaken = seen.error(&mistaken);
+            let mistaken = expected.error(&mistaken).relative_rmse;
             println!(
                 "{:?} {lit:?} {throwing:?}: {error:.1e} of {even} pixels; {unlinked:.1e} {mistaken:.1e}",
                 key.owner()
             );
-            assert!(even > seen.even.len() / 2, "{even}");
+            assert!(even > expected.0.len() / 2, "{even}");
             // The bound of pictures without links: normals are packed to 2^-15 (tests/accuracy.rs).
             assert!(error < 1e-3, "{error}");
             assert!(unlinked.min(mistaken) > 1e-2, "{unlinked} {mistaken}");

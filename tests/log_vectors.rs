@@ -9,6 +9,8 @@ use edit::{Actor, EditRequest, EditSources, Session, UndoScope};
 use serde_json::{Value, json};
 use store::{CommitBatch, Store, replay_log};
 
+use crate::sources::repository;
+
 /// Steps of a session: commands in JSON, `"undo"` and `"redo"`, and the records after which a checkpoint may follow.
 struct Vector {
     name: &'static str,
@@ -89,10 +91,7 @@ fn cameras_and_pins() -> Vec<Value> {
     vec![
         add(&bendy("key", 3)),
         camera("plain", &json!({"perspective": {"yfov": 0.7, "znear": 0.1}})),
-        camera(
-            "whole",
-            &json!({"perspective": {"yfov": 0.7, "aspectRatio": 2.39, "znear": 0.1, "zfar": 100}}),
-        ),
+        camera("whole", &json!({"perspective": {"yfov": 0.7, "aspectRatio": 2.39, "znear": 0.1, "zfar": 100}})),
         camera("flat", &json!({"orthographic": {"ymag": 2, "znear": 0, "zfar": 50}})),
         camera("wide", &json!({"orthographic": {"ymag": 2, "aspectRatio": 1.85, "znear": 0, "zfar": 50}})),
         json!({"type": "placeCamera", "camera": 2, "translation": [1, 2, 3]}),
@@ -140,21 +139,17 @@ fn made(vector: &Vector) -> (String, Session) {
         let is_graces = seq % 4 == 3 && !step.is_string();
         let (id, name) = if is_graces { ("grace", "Grace") } else { ("ada", "Ada") };
         let actor = Actor { id: id.into(), name: name.into() };
-        let before = records.clone();
-        let record = |seq: u64| before.get(seq as usize - 1).cloned();
-        let taken_back = session.find_revert(&request, &actor.id, &record).expect("something to take back");
+        let record = |seq: u64| records.get(seq as usize - 1).cloned();
+        let reverted = session.find_revert(&request, &actor.id, &record).expect("something to take back");
         let contents = SceneContents::default();
         let context = CommandContext { loaded: Some(&contents), ..CommandContext::default() };
-        let sources = EditSources { context, reverted: taken_back };
-        let made =
-            session.execute_request(request, &actor, &format!("op {seq}"), 1_790_000_000_000 + seq, sources);
+        let sources = EditSources { context, reverted };
+        let made = session.execute_request(request, &actor, &format!("op {seq}"), 1_790_000_000_000 + seq, sources);
         let record = made.unwrap_or_else(|refused| panic!("{step}: {refused}"));
         let hash = session.document().hash();
-        let records_now = std::slice::from_ref(&record);
-        store
-            .append(&[CommitBatch { session: vector.name, records: records_now, rejections: &[], hash }])
-            .expect("a commit");
         records.push(record);
+        let added = &records[records.len() - 1..];
+        store.append(&[CommitBatch { session: vector.name, records: added, rejections: &[], hash }]).expect("a commit");
     }
     let mut text = Vec::new();
     store.export(vector.name, &mut text).expect("a log");
@@ -162,7 +157,7 @@ fn made(vector: &Vector) -> (String, Session) {
 }
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/vectors/logs")
+    repository().join("protocol/vectors/logs")
 }
 
 /// Tests that the committed file equals `made`.
@@ -176,13 +171,18 @@ fn agrees(name: &str, made: &str) {
     assert!(committed == made, "{name} is not what the code makes: run this test with BENDYLIGHTS_BLESS=1");
 }
 
+/// Last checkpoint of a log.
+fn last_checkpoint(text: &str) -> Value {
+    let mut line: Value = serde_json::from_str(text.lines().last().expect("lines")).expect("a checkpoint");
+    line["checkpoint"].take()
+}
+
 /// Results of a vector: the hash, the proof and the document.
 fn outcome(text: &str, session: &Session) -> Value {
-    let last: Value = serde_json::from_str(text.lines().last().expect("lines")).expect("a checkpoint");
     json!({
         "records": session.seq(),
         "hash": session.document().hash().to_string(),
-        "proof": last["checkpoint"]["proof"],
+        "proof": last_checkpoint(text)["proof"],
         "document": protocol::Document::from(session.document()),
     })
 }
@@ -203,20 +203,14 @@ fn vectors_are_what_the_program_makes_and_replay_to_what_they_say() {
 }
 
 fn replay_py(log: &Path) -> Output {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/examples/replay.py");
-    Process::new("python3")
-        .arg(script)
-        .arg(log)
-        .output()
-        .expect("python3: `apt-get install python3` brings it")
+    let script = repository().join("protocol/examples/replay.py");
+    Process::new("python3").arg(script).arg(log).output().expect("python3: `apt-get install python3` brings it")
 }
 
 /// The newest permanent log of `tests/logs`, and the vectors.
 fn newest_logs() -> Vec<PathBuf> {
-    let mut logs: Vec<_> =
-        VECTORS.iter().map(|vector| folder().join(format!("{}.jsonl", vector.name))).collect();
-    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("logs");
-    logs.extend(["format-3.jsonl", "format-4.jsonl", "format-5.jsonl"].map(|name| kept.join(name)));
+    let mut logs: Vec<_> = VECTORS.iter().map(|vector| folder().join(format!("{}.jsonl", vector.name))).collect();
+    logs.extend([3, 4, 5].map(|format| repository().join(format!("tests/logs/format-{format}.jsonl"))));
     logs
 }
 
@@ -229,11 +223,11 @@ fn a_reader_written_from_the_specification_reaches_every_hash_and_proof() {
         let said: Value = serde_json::from_slice(&done.stdout).unwrap_or_default();
         let why = String::from_utf8_lossy(&done.stderr);
         let text = std::fs::read_to_string(&log).expect("a log");
-        let last: Value = serde_json::from_str(text.lines().last().expect("lines")).expect("a checkpoint");
-        assert_eq!(said["hash"], last["checkpoint"]["hash"], "{}: {why}", log.display());
-        assert_eq!(said["proof"], last["checkpoint"]["proof"], "{}", log.display());
+        let last = last_checkpoint(&text);
         let count = text.lines().filter(|line| line.starts_with("{\"checkpoint\"")).count();
-        assert_eq!(said["checkpoints"], json!(count), "{}", log.display());
+        for (field, expected) in [("hash", &last["hash"]), ("proof", &last["proof"]), ("checkpoints", &json!(count))] {
+            assert_eq!(&said[field], expected, "{field} of {}: {why}", log.display());
+        }
     }
 }
 
@@ -261,12 +255,7 @@ fn planted_faults_are_told_apart() {
             "a line of records 11 to 20",
             "they were right up to record 10",
         ),
-        (
-            "the header",
-            |l| replace(l, 0, "lights", "lambs"),
-            "the header or a line",
-            "the lines up to record 10",
-        ),
+        ("the header", |l| replace(l, 0, "lights", "lambs"), "the header or a line", "the lines up to record 10"),
         ("a line's end", |l| l[3].push('\r'), "CR LF", "CR LF"),
         ("two records swapped", |l| l.swap(3, 4), "record 4 follows record 2", "out of order"),
     ];

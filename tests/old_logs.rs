@@ -7,53 +7,39 @@ use protocol::{LogLine, LogReader};
 use serde_json::Value;
 use store::{StoreError, replay_log};
 
-/// A log of `logs/`, and the hash of its document when it was written.
+use crate::sources::repository;
+
+/// The log of a format in `logs/`, and the hash of its document when it was written.
 struct OldLog {
-    file: &'static str,
     format: u32,
     records: u64,
     hash: &'static str,
 }
 
 const OLD_LOGS: &[OldLog] = &[
-    OldLog {
-        file: "format-1.jsonl",
-        format: 1,
-        records: 43,
-        hash: "4a062bb30a1c9a5d669a9b9ff34e788daa293374d49b7e02162f4bb3d6cb923b",
-    },
-    OldLog {
-        file: "format-2.jsonl",
-        format: 2,
-        records: 52,
-        hash: "a13459dd0bd5b0056862e961c0d37566a1e5e2e6180d852825a42198bfc2f260",
-    },
-    OldLog {
-        file: "format-3.jsonl",
-        format: 3,
-        records: 60,
-        hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6",
-    },
-    OldLog {
-        file: "format-4.jsonl",
-        format: 4,
-        records: 60,
-        hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6",
-    },
-    OldLog {
-        file: "format-5.jsonl",
-        format: 5,
-        records: 63,
-        hash: "a419a0fdfc3136bbd70d61fa174532c13f892e9cbdc5213ac9c3e0fbfb9b0365",
-    },
+    OldLog { format: 1, records: 43, hash: "4a062bb30a1c9a5d669a9b9ff34e788daa293374d49b7e02162f4bb3d6cb923b" },
+    OldLog { format: 2, records: 52, hash: "a13459dd0bd5b0056862e961c0d37566a1e5e2e6180d852825a42198bfc2f260" },
+    OldLog { format: 3, records: 60, hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6" },
+    OldLog { format: 4, records: 60, hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6" },
+    OldLog { format: 5, records: 63, hash: "a419a0fdfc3136bbd70d61fa174532c13f892e9cbdc5213ac9c3e0fbfb9b0365" },
 ];
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("logs")
+    repository().join("tests/logs")
 }
 
-fn text(log: &OldLog) -> String {
-    std::fs::read_to_string(folder().join(log.file)).expect("a log")
+impl OldLog {
+    fn file(&self) -> String {
+        format!("format-{}.jsonl", self.format)
+    }
+
+    fn text(&self) -> String {
+        std::fs::read_to_string(folder().join(self.file())).expect("a log")
+    }
+
+    fn lines(&self) -> Vec<String> {
+        self.text().lines().map(String::from).collect()
+    }
 }
 
 /// Rules: REC-5, LOG-2
@@ -62,15 +48,11 @@ fn every_old_log_replays_to_its_hash() {
     let files = std::fs::read_dir(folder()).expect("a folder").count();
     assert_eq!(files, OLD_LOGS.len(), "each log of the folder is listed here");
     for log in OLD_LOGS {
-        let replayed = replay_log(text(log).as_bytes(), None).expect(log.file);
-        assert_eq!(replayed.first_difference, None, "{}", log.file);
-        assert_eq!(replayed.session.seq(), log.records, "{}", log.file);
-        assert_eq!(
-            replayed.session.document().hash_of_format(log.format).to_string(),
-            log.hash,
-            "{}",
-            log.file
-        );
+        let file = log.file();
+        let replayed = replay_log(log.text().as_bytes(), None).expect(&file);
+        assert_eq!(replayed.first_difference, None, "{file}");
+        assert_eq!(replayed.session.seq(), log.records, "{file}");
+        assert_eq!(replayed.session.document().hash_of_format(log.format).to_string(), log.hash, "{file}");
     }
 }
 
@@ -78,7 +60,7 @@ fn every_old_log_replays_to_its_hash() {
 #[test]
 fn a_planted_change_of_any_value_is_noticed() {
     for log in OLD_LOGS {
-        let lines: Vec<String> = text(log).lines().map(String::from).collect();
+        let lines = log.lines();
         let mut reader = LogReader::default();
         for (index, line) in lines.iter().enumerate() {
             let Ok(LogLine::Record(record)) = reader.read(line) else { continue };
@@ -94,10 +76,10 @@ fn a_planted_change_of_any_value_is_noticed() {
             let noticed = match replay_log(changed.join("\n").as_bytes(), None) {
                 Ok(replayed) => replayed.first_difference.is_some(),
                 // A value that other lines refer to may be stored elsewhere after the change.
-                Err(StoreError::Line { .. }) => text(log).contains("sameAs"),
+                Err(StoreError::Line { .. }) => log.text().contains("sameAs"),
                 Err(error) => matches!(error, StoreError::Replay(_) | StoreError::InvalidRecord { .. }),
             };
-            assert!(noticed, "{}: record {}", log.file, record.seq);
+            assert!(noticed, "{}: record {}", log.file(), record.seq);
         }
     }
 }
@@ -107,7 +89,7 @@ fn a_planted_change_of_any_value_is_noticed() {
 /// Rules: REC-5, LOG-2
 #[test]
 fn a_planted_parameter_of_a_later_format_is_refused_by_name() {
-    /// Finds the place of a parameter in a record: in a whole light, or as the changed value.
+    /// Finds a part of a record that holds parameters: a whole light, or a changed value.
     type Part = fn(&mut Value) -> Option<&mut Value>;
     fn change<'a>(record: &'a mut Value, of: &str, side: &str) -> Option<&'a mut Value> {
         let changes = record["changes"].as_array_mut()?;
@@ -126,27 +108,27 @@ fn a_planted_parameter_of_a_later_format_is_refused_by_name() {
     let add: fn(&mut Value) = |light| light["exposure"] = 50.into();
     let add_default: fn(&mut Value) = |light| light["exposure"] = 0.into();
     let replace: fn(&mut Value) = |setting| *setting = serde_json::json!({"exposure": 9});
-    let plants = inside.map(|place| (place, add)).into_iter();
-    let plants = plants.chain(inside.map(|place| (place, add_default)));
-    let plants: Vec<_> = plants.chain(set.map(|place| (place, replace))).collect();
+    let plants =
+        [inside.map(|part| (part, add)), inside.map(|part| (part, add_default)), set.map(|part| (part, replace))];
+    let plants = plants.concat();
     for log in &OLD_LOGS[..2] {
-        for (index, (place, plant)) in plants.iter().enumerate() {
-            let mut lines: Vec<String> = text(log).lines().map(String::from).collect();
+        for (index, (part, plant)) in plants.iter().enumerate() {
+            let (file, mut lines) = (log.file(), log.lines());
             let planted = lines.iter_mut().find_map(|line| {
                 let mut record: Value = serde_json::from_str(line).expect("JSON");
                 // A reference to another line has no fields of its own.
-                let value = place(&mut record).filter(|value| value.get("sameAs").is_none())?;
+                let value = part(&mut record).filter(|value| value.get("sameAs").is_none())?;
                 plant(value);
                 *line = record.to_string();
                 record["seq"].as_u64()
             });
-            let planted = planted.unwrap_or_else(|| panic!("{}: a place for {index}", log.file));
-            let refused = replay_log(lines.join("\n").as_bytes(), None).expect_err(log.file);
+            let planted = planted.unwrap_or_else(|| panic!("{file}: no part for {index}"));
+            let refused = replay_log(lines.join("\n").as_bytes(), None).expect_err(&file);
             let said = refused.to_string();
             // Only lights have an exposure; parameters of control points are read by name.
             let of_points = said.contains("there is no parameter `exposure`");
             let expected = format!("record {planted}: format {} has no `exposure`", log.format);
-            assert!(said.contains(&expected) || of_points, "{}: {index}: {said}", log.file);
+            assert!(said.contains(&expected) || of_points, "{file}: {index}: {said}");
             assert_eq!(refused.code(), protocol::ErrorCode::BadLog);
         }
     }
@@ -172,8 +154,8 @@ fn a_number(change: &mut Value) -> Option<&mut Value> {
 fn old_logs_hold_everything_their_format_has() {
     for log in OLD_LOGS {
         let mut seen = BTreeSet::new();
-        for line in text(log).lines() {
-            let value: Value = serde_json::from_str(line).expect("JSON");
+        for line in log.lines() {
+            let value: Value = serde_json::from_str(&line).expect("JSON");
             types(&value, &mut seen);
         }
         let expected = "edit gesture undo redo \
@@ -181,15 +163,15 @@ fn old_logs_hold_everything_their_format_has() {
             addCamera removeCamera placeCamera setCamera \
             scene light lightParameter point controlPoints camera cameraParameter bendy spot";
         for name in expected.split_whitespace() {
-            assert!(seen.contains(name), "{}: no {name}", log.file);
+            assert!(seen.contains(name), "{}: no {name}", log.file());
         }
     }
     // Additions of format 2.
     for part in [r#"{"sameAs":{"record":"#, r#""rebased":true"#, r#""proof":""#] {
-        assert!(OLD_LOGS[1..].iter().all(|log| text(log).contains(part)), "{part}");
+        assert!(OLD_LOGS[1..].iter().all(|log| log.text().contains(part)), "{part}");
     }
     // Additions of format 5.
-    assert!(OLD_LOGS[4..].iter().all(|log| text(log).contains(r#""action":{"type":"group""#)));
+    assert!(OLD_LOGS[4..].iter().all(|log| log.text().contains(r#""action":{"type":"group""#)));
 }
 
 /// Collects every `type` within `value`.

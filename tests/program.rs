@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// Builds the program once, and returns its path.
+/// Builds the program once, and returns its path. It is built together with all tests: alone, its crates would be
+/// compiled again without the features that only tests enable.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
@@ -13,7 +14,9 @@ pub fn program() -> &'static Path {
         let target_dir = profile_dir.parent().expect("the target folder");
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let mut build = Command::new(cargo);
-        build.args(["build", "--quiet", "--locked", "-p", "bendylights", "--target-dir"]).arg(target_dir);
+        build
+            .args(["build", "--workspace", "--bins", "--tests", "--quiet", "--locked", "--target-dir"])
+            .arg(target_dir);
         if !cfg!(debug_assertions) {
             build.arg("--release");
         }

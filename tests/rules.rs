@@ -35,23 +35,14 @@ fn citation(line: &str) -> Option<impl Iterator<Item = &str>> {
 
 /// Names of tests in Rust source that cite no rule.
 fn uncited(text: &str) -> Vec<&str> {
-    let lines: Vec<&str> = text.lines().collect();
-    let tests = lines.iter().enumerate().filter(|(_, line)| {
-        let line = line.trim_start();
-        line.starts_with("#[test]") || line.starts_with("#[tokio::test")
-    });
-    tests
-        .filter(|&(index, _)| {
-            let above = lines[..index].iter().rev().take_while(|line| {
-                let line = line.trim_start();
-                line.starts_with("//") || line.starts_with("#[")
-            });
-            !above.into_iter().any(|line| citation(line).is_some())
-        })
-        .map(|(index, _)| {
-            lines[index..].iter().find(|line| line.contains("fn ")).map_or("", |line| line.trim())
-        })
-        .collect()
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let is_test = |line: &str| line.starts_with("#[test]") || line.starts_with("#[tokio::test");
+    let cites = |index: usize| {
+        let mut above = lines[..index].iter().rev().take_while(|line| line.starts_with("//") || line.starts_with("#["));
+        above.any(|line| citation(line).is_some())
+    };
+    let uncited = (0..lines.len()).filter(|&index| is_test(lines[index]) && !cites(index));
+    uncited.map(|index| lines[index..].iter().copied().find(|line| line.contains("fn ")).unwrap_or_default()).collect()
 }
 
 /// Returns a sentence for each fault.

@@ -5,16 +5,17 @@
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 
-use std::path::Path;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex};
 
-use crate::boxes::{SIZE, boxes, looking, room, view};
 use glam::{DAffine3, DVec3, Vec3};
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, RANGE, TRANSLATION};
-use light::{Decay, Light, LightInstance, Transform};
+use light::{Decay, Light, Transform};
 use reference::Reference;
-use render::{Gpu, Picture, Renderer, ShadowSettings};
-use scene::{Aov, Mesh, Node, PosedScene, Primitive, Scene, View};
+use render::{Picture, Renderer, ShadowSettings};
+use scene::{Aov, PosedScene, Primitive, Scene, View};
+
+use crate::boxes::{SIZE, add_mesh, boxes, looking, room, room_view, view};
+use crate::pictures::{ComparedPixels, alone, draw_with, renderer, save_picture};
 
 /// A spotlight from `eye` to `target`, and the BendyLight that `bend` makes of it.
 fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, Light); 2] {
@@ -32,27 +33,18 @@ fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, Light); 2
 /// Draws a picture with a renderer that all tests share. It draws straight BendyLights by their own passes, not as
 /// spotlights.
 fn drawn(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Picture {
-    static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
-    let shared = SHARED.get_or_init(|| {
-        let gpu = Arc::new(Gpu::new().expect("tests need a graphics driver"));
-        let mut renderer = Renderer::new(gpu).expect("the device works");
+    static SHARED: LazyLock<Mutex<Renderer>> = LazyLock::new(|| {
+        let mut renderer = renderer();
         let apart = ShadowSettings { straighten: false, ..ShadowSettings::default() };
         renderer.set_shadow_settings(apart).expect("sound");
         Mutex::new(renderer)
     });
-    let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
-    renderer.set_scene(scene).expect("it fits");
-    renderer.render(view, &alone(light)).expect("it can be drawn")
+    draw_with(&SHARED, scene, view, &alone(light))
 }
 
-/// The light alone, checked for a renderer.
-fn alone(light: &Light) -> Vec<LightInstance> {
-    LightInstance::numbered([light.clone()]).expect("a light")
-}
-
-/// Pixels away from edges, and their visibility, by the reference: the 5 x 5 pixels around have the same visibility and
-/// face the same way. In a corner between two walls the filter blends in casters on the other wall.
-fn off_edges(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Vec<(usize, bool)> {
+/// Pixels away from edges in the reference: the 5 x 5 pixels around have the same visibility and face the same way. In
+/// a corner between two walls the filter blends in casters on the other wall.
+fn off_edges(scene: &Arc<PosedScene>, view: &View, light: &Light) -> ComparedPixels {
     let reference = Reference::new(Arc::clone(scene));
     let pixels = |aov| {
         let view = View { aov, ..view.clone() };
@@ -62,38 +54,53 @@ fn off_edges(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Vec<(usize,
     let expected: Vec<_> = visibility
         .iter()
         .zip(normals)
-        .map(|(pixel, normal)| {
-            (pixel[3] == 1.0).then_some((pixel[0] == 1.0, normal.map(|x| (x * 1e3).round() as i32)))
-        })
+        .map(|(pixel, normal)| (pixel[3] == 1.0).then_some((pixel[0] == 1.0, normal.map(|x| (x * 1e3).round() as i32))))
         .collect();
     let [width, height] = SIZE.map(|side| side as usize);
-    let mut found = Vec::new();
+    let mut found = ComparedPixels::default();
     for (y, x) in (2..height - 2).flat_map(|y| (2..width - 2).map(move |x| (y, x))) {
-        let here = expected[y * width + x];
+        let pixel = y * width + x;
+        let here = expected[pixel];
         let mut around = (y - 2..=y + 2).flat_map(|y| (x - 2..=x + 2).map(move |x| y * width + x));
         if let Some((lit, _)) = here
             && around.all(|other| expected[other] == here)
         {
-            found.push((y * width + x, lit));
+            found.push(pixel, lit);
         }
     }
     found
 }
 
-/// Those of the `judged` pixels that are wrong in a picture.
-fn wrong(judged: &[(usize, bool)], picture: &Picture) -> Vec<usize> {
-    let differs = |&&(pixel, lit): &&(usize, bool)| picture.pixels[pixel][0] != f32::from(u8::from(lit));
-    judged.iter().filter(differs).map(|judged| judged.0).collect()
+/// Saves a picture of visibility in grey.
+fn save_visibility(name: &str, picture: &Picture, marks: &[usize]) {
+    let grey = |[value, .., alpha]: &[f32; 4]| [(value * 200.0) as u8 + if *alpha > 0.0 { 30 } else { 0 }; 3];
+    save_picture(name, picture, marks, grey);
 }
 
-fn keep_picture(name: &str, picture: &Picture, marks: &[usize]) {
-    let Ok(folder) = std::env::var("BENDYLIGHTS_SHADOW_PICTURES") else { return };
-    let mut image = image::RgbImage::new(picture.width, picture.height);
-    for (k, (pixel, [value, .., alpha])) in image.pixels_mut().zip(&picture.pixels).enumerate() {
-        let grey = (value * 200.0) as u8 + if *alpha > 0.0 { 30 } else { 0 };
-        *pixel = if marks.contains(&k) { image::Rgb([255, 0, 0]) } else { image::Rgb([grey; 3]) };
+/// A picture, and the pixels in which it is compared with the reference.
+struct PictureComparison {
+    picture: Picture,
+    compared: ComparedPixels,
+    wrong: Vec<usize>,
+}
+
+impl PictureComparison {
+    /// Tests that so many pixels are compared, that so many of them are dark, and that none is wrong.
+    fn assert_right(&self, what: &str, least: usize, least_dark: usize) {
+        let (wrong, dark, count) = (self.wrong.len(), self.compared.dark.len(), self.compared.count());
+        println!("{what}: {wrong} of {count} wrong, {dark} dark");
+        assert!(count >= least && dark >= least_dark, "{what}: little to see: {dark} of {count} are dark");
+        assert_eq!(wrong, 0, "{what}: of {count} pixels, {dark} dark");
     }
-    image.save(Path::new(&folder).join(format!("{name}.png"))).expect("the picture can be written");
+}
+
+/// Compares the picture of a light with the reference. Saves it as `name`.
+fn compare(scene: &Arc<PosedScene>, view: &View, light: &Light, name: &str) -> PictureComparison {
+    let compared = off_edges(scene, view, light);
+    let picture = drawn(scene, view, light);
+    let wrong = compared.wrong(&picture);
+    save_visibility(name, &picture, &wrong);
+    PictureComparison { picture, compared, wrong }
 }
 
 /// Up to 89.9 degrees, which is the import's limit for glTF's pi / 2, every pixel away from shadow edges is right, for
@@ -101,21 +108,13 @@ fn keep_picture(name: &str, picture: &Picture, marks: &[usize]) {
 #[test]
 fn very_wide_lights_keep_their_shadows() {
     let scene = scene::pose(room());
-    let view = view(DVec3::new(1.2, 3.6, 4.4), DVec3::new(-0.3, 0.7, -0.8));
-    let mut told = Vec::new();
+    let view = room_view();
     for angle in [50.0, 61.0, 75.0, 85.0, 88.0, 89.9] {
         for (kind, light) in pair(DVec3::new(0.2, 2.2, 0.1), DVec3::new(0.1, 0.0, 0.25), angle) {
-            let judged = off_edges(&scene, &view, &light);
-            let dark = judged.iter().filter(|(_, lit)| !lit).count();
-            assert!(judged.len() > 5000 && dark > 500, "little to see: {dark} of {}", judged.len());
-            let picture = drawn(&scene, &view, &light);
-            let wrong = wrong(&judged, &picture);
-            keep_picture(&format!("wide-{kind}-{angle}"), &picture, &wrong);
-            told.push((kind, angle, wrong.len(), judged.len()));
+            let name = format!("wide-{kind}-{angle}");
+            compare(&scene, &view, &light, &name).assert_right(&name, 5001, 501);
         }
     }
-    println!("kind, half angle, wrong, of: {told:?}");
-    assert!(told.iter().all(|(.., wrong, _)| *wrong == 0), "{told:?}");
 }
 
 /// A table half a unit wide with a board above it, and the boxes of `also`.
@@ -132,14 +131,11 @@ fn table(also: &[([f64; 3], f64, [f64; 3])]) -> Scene {
 /// Displacement of shadow edges from the reference in pixels: the number of pixels on the wrong side of an edge over
 /// the number of pixels at an edge.
 fn displacement(scene: &Arc<PosedScene>, view: &View, light: &Light, name: &str) -> f64 {
-    let frame =
-        Reference::new(Arc::clone(scene)).render(view, &alone(light), || {}).expect("it can be followed");
+    let frame = Reference::new(Arc::clone(scene)).render(view, &alone(light), || {}).expect("it can be followed");
     let picture = drawn(scene, view, light);
-    let lit = |value: f64| value >= 0.5;
-    let wrong: Vec<_> = (0..picture.pixels.len())
-        .filter(|&k| lit(frame.pixels[k][0]) != lit(f64::from(picture.pixels[k][0])))
-        .collect();
-    keep_picture(name, &picture, &wrong);
+    let differs = |&k: &usize| (frame.pixels[k][0] >= 0.5) != (picture.pixels[k][0] >= 0.5);
+    let wrong: Vec<_> = (0..picture.pixels.len()).filter(differs).collect();
+    save_visibility(name, &picture, &wrong);
     let width = SIZE[0] as usize;
     let is_edge = |a: [f64; 4], b: [f64; 4]| a[0] != b[0] && a[3] == 1.0 && b[3] == 1.0;
     let edges = (0..frame.pixels.len() - width)
@@ -158,10 +154,7 @@ fn on_floor(mut scene: Scene) -> Scene {
         indices: vec![0, 1, 2, 0, 2, 3],
         ..Primitive::default()
     };
-    scene.meshes.push(Mesh { name: String::new(), primitives: vec![floor] });
-    let mesh = Some(scene.meshes.len() - 1);
-    let parent_from_local = DAffine3::IDENTITY;
-    scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh });
+    add_mesh(&mut scene, DAffine3::IDENTITY, vec![floor]);
     scene.check().expect("sound");
     scene
 }
@@ -182,13 +175,8 @@ fn a_floor_beyond_the_map_is_lit() {
     };
     for bow in [0.0, 1.0, -2.0] {
         let light = bent(bow);
-        let judged = off_edges(&scene, &view, &light);
-        let dark = judged.iter().filter(|(_, lit)| !lit).count();
-        assert!(judged.len() > 5000 && dark >= 5, "little to see: {dark} of {}", judged.len());
-        let picture = drawn(&scene, &view, &light);
-        let wrong = wrong(&judged, &picture);
-        keep_picture(&format!("floor-{bow}"), &picture, &wrong);
-        assert!(wrong.is_empty(), "bowed by {bow}: {} of {} wrong", wrong.len(), judged.len());
+        let name = format!("floor-{bow}");
+        compare(&scene, &view, &light, &name).assert_right(&name, 5001, 5);
     }
 }
 
@@ -204,24 +192,17 @@ fn a_map_is_as_fine_as_what_is_in_the_light() {
     let [(_, spot), _] = pair(source, DVec3::new(0.5, 0.0, 0.3), 59.0);
     let points: Vec<_> = [0.0, 2.0, 4.5, 7.0].map(|z| DVec3::new(0.012 * z * z, 0.0, -z)).into();
     let rotation = looking(source, DVec3::ZERO, DVec3::X);
-    let tube = Light::bendy(points, vec![10.0; 4]).with_transform(Transform {
-        translation: source,
-        rotation,
-        scale: 1.0,
-    });
+    let tube =
+        Light::bendy(points, vec![10.0; 4]).with_transform(Transform { translation: source, rotation, scale: 1.0 });
     for (name, light) in [("spot", spot), ("tube", tube)] {
         let fitted = displacement(&scene::pose(table(&[])), &view, &light, &format!("fitted-{name}"));
         let coarse = displacement(&scene::pose(table(&crumbs)), &view, &light, &format!("coarse-{name}"));
         println!("{name}: edges displaced by {fitted:.3} pixels fitted, {coarse:.3} with crumbs at the rim");
         assert!(fitted * 4.0 < coarse, "{name}: {fitted} pixels fitted, {coarse} with crumbs at the rim");
         // Nothing is behind a floor that is the lower side of the scene, so the map need not contain it.
-        let floored =
-            displacement(&scene::pose(on_floor(table(&[]))), &view, &light, &format!("floored-{name}"));
+        let floored = displacement(&scene::pose(on_floor(table(&[]))), &view, &light, &format!("floored-{name}"));
         println!("{name}: {floored:.3} pixels over a floor as wide as the light");
-        assert!(
-            floored * 4.0 < coarse,
-            "{name}: {floored} pixels over a floor, {coarse} with crumbs at the rim"
-        );
+        assert!(floored * 4.0 < coarse, "{name}: {floored} pixels over a floor, {coarse} with crumbs at the rim");
     }
 }
 
@@ -242,31 +223,28 @@ fn no_line_shows_where_faces_meet() {
     let (source, below) = (DVec3::new(0.0, 2.0, 0.0), DVec3::new(0.02, 0.0, 0.01));
     let tan = 80.0_f64.to_radians().tan();
     for (name, light) in pair(source, below, 80.0) {
-        let places = drawn(&scene, &View { aov: Aov::Vw, ..view.clone() }, &light);
+        let coordinates = drawn(&scene, &View { aov: Aov::Vw, ..view.clone() }, &light);
         // Below 1 on the front face of the cube.
         let slope = |pixel: usize| {
-            let [v, w, ..] = places.pixels[pixel].map(|x| f64::from(x) * tan);
+            let [v, w, ..] = coordinates.pixels[pixel].map(|x| f64::from(x) * tan);
             v.abs().max(w.abs())
         };
-        let picture = drawn(&scene, &view, &light);
-        let judged = off_edges(&scene, &view, &light);
-        let seam: Vec<_> = judged.iter().copied().filter(|&(k, _)| (slope(k) - 1.0).abs() < 0.03).collect();
-        let dark = seam.iter().filter(|(_, lit)| !lit).count();
-        assert!(dark > 30 && seam.len() - dark > 100, "{name}: {dark} of {} pixels are dark", seam.len());
-        let found = wrong(&judged, &picture);
-        keep_picture(&format!("seam-{name}"), &picture, &found);
-        assert_eq!(found, [0; 0], "{name}: of {}", judged.len());
+        let PictureComparison { picture, compared, wrong } = compare(&scene, &view, &light, &format!("seam-{name}"));
+        let at_edge = |pixels: &[usize]| pixels.iter().filter(|&&k| (slope(k) - 1.0).abs() < 0.03).count();
+        let (dark, lit) = (at_edge(&compared.dark), at_edge(&compared.lit));
+        assert!(dark > 30 && lit > 100, "{name}: {dark} of {} pixels are dark", dark + lit);
+        assert_eq!(wrong, [0; 0], "{name}: of {}", compared.count());
 
         // The planted fault: the picture of the front face if it was drawn rotated by three degrees.
         let turned = drawn(&scene::pose(bars(0.05)), &view, &light);
-        let mut patched = picture.clone();
+        let mut patched = picture;
         for (pixel, value) in patched.pixels.iter_mut().enumerate() {
             if slope(pixel) < 1.0 {
                 *value = turned.pixels[pixel];
             }
         }
-        let caught = wrong(&judged, &patched).len();
-        assert!(caught > 100, "{name}: a turned front changes only {caught} of {}", judged.len());
+        let caught = compared.wrong(&patched).len();
+        assert!(caught > 100, "{name}: a turned front changes only {caught} of {}", compared.count());
     }
 }
 
@@ -285,13 +263,7 @@ fn floors_shade_what_is_behind_them() {
         .with(TRANSLATION, DVec3::new(-1.2, 1.2, 0.3));
     let [(_, below), (_, bent_below)] = pair(DVec3::new(0.2, -1.5, 0.3), DVec3::new(0.3, 0.5, 0.2), 50.0);
     for (name, light) in [("dipping", dipping), ("below", below), ("bent below", bent_below)] {
-        let judged = off_edges(&scene, &view, &light);
-        let dark = judged.iter().filter(|(_, lit)| !lit).count();
-        assert!(dark > 300, "{name}: {dark} of {} pixels are dark", judged.len());
-        let picture = drawn(&scene, &view, &light);
-        let found = wrong(&judged, &picture);
-        keep_picture(name, &picture, &found);
-        assert_eq!(found, [0; 0], "{name}: of {} pixels, {dark} dark", judged.len());
+        compare(&scene, &view, &light, name).assert_right(name, 0, 301);
     }
 }
 
@@ -299,7 +271,7 @@ fn floors_shade_what_is_behind_them() {
 #[test]
 fn a_scene_is_posed_once() {
     let scene = scene::pose(room());
-    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("tests need a driver"))).expect("it works");
+    let mut renderer = renderer();
     renderer.set_scene(&scene).expect("it fits");
     let reference = Reference::new(Arc::clone(&scene));
     assert_eq!(Arc::strong_count(&scene), 3, "one each, and this one");

@@ -8,16 +8,25 @@ pub struct Source {
     pub text: String,
 }
 
+/// Folder of the repository.
+pub fn repository() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository")
+}
+
 /// Reads the files in `folders` of the repository and their subfolders whose names end in one of `extensions`, sorted
 /// by path.
 pub fn sources(folders: &[&str], extensions: &[&str]) -> Vec<Source> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
     let mut sources = Vec::new();
     for folder in folders {
-        read(root, &root.join(folder), extensions, &mut sources);
+        read(repository(), &repository().join(folder), extensions, &mut sources);
     }
     sources.sort_by(|a, b| a.path.cmp(&b.path));
     sources
+}
+
+/// Words of a text: identifiers, keywords and numbers.
+pub fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty())
 }
 
 fn read(root: &Path, folder: &Path, extensions: &[&str], into: &mut Vec<Source>) {

@@ -13,20 +13,19 @@ const OF_THE_ADAPTER: [Property; 2] = [Property::Locate, Property::Map];
 const OF_PICTURES: [Property; 4] = [Property::LonePlane, Property::Wall, Property::Shadow, Property::Finite];
 
 fn tried(properties: &[Property], seed: u64, cases: u64, planted: bool) -> Vec<PropertyOutcome> {
-    let options =
-        StressOptions { properties: properties.to_vec(), seed, length: Length::Cases(cases), planted };
+    let options = StressOptions { properties: properties.to_vec(), seed, length: Length::Cases(cases), planted };
     run(&options, |_| ()).expect("tests need a graphics driver").outcomes
 }
 
 /// Tests that properties hold for `cases` cases from a seed on. Returns the number of comparisons of each.
 fn assert_properties_hold(properties: &[Property], seed: u64, cases: u64) -> Vec<(&'static str, u64)> {
-    let held = |outcome: PropertyOutcome| {
+    let comparisons = |outcome: PropertyOutcome| {
         let name = outcome.property.name();
         assert!(outcome.failure.is_none(), "{name}: {:#?}", outcome.failure);
         assert_eq!(outcome.cases, cases);
         (name, outcome.comparisons)
     };
-    tried(properties, seed, cases, false).into_iter().map(held).collect()
+    tried(properties, seed, cases, false).into_iter().map(comparisons).collect()
 }
 
 /// Tests properties in fixed cases, which must make comparisons, and in a few new ones. The new ones need not make any:

@@ -6,16 +6,18 @@ use std::sync::Arc;
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{
     COLOR, COLOR_TEMPERATURE, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, CUT_ON, DECAY, DECAY_START,
-    ENABLE_COLOR_TEMPERATURE, FAR_EDGE, HEIGHT, INTENSITY, NEAR_EDGE, PROFILE, PROFILE_POWER, RANGE,
-    ROTATION, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, SHADOW_COLOR, TRANSLATION, UP, WIDTH,
+    ENABLE_COLOR_TEMPERATURE, FAR_EDGE, HEIGHT, INTENSITY, NEAR_EDGE, PROFILE, PROFILE_POWER, RANGE, ROTATION,
+    SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, SHADOW_COLOR, TRANSLATION, UP, WIDTH,
 };
 use light::{
-    CrossSection, Decay, Light, LightId, LightInstance, Links, Parameter, ParameterKind, ParameterOwner,
-    ParameterTouches, PeriodicCurve, ProfileCurve, Setting, Value,
+    CrossSection, Decay, Light, Links, Parameter, ParameterKind, ParameterOwner, ParameterTouches, PeriodicCurve,
+    ProfileCurve, Setting, Value,
 };
 use reference::{LinkedReferenceLight, Reference, ReferenceLight, ShadedPoint};
-use render::{Gpu, PassCounts, Picture, Renderer};
+use render::PassCounts;
 use scene::{Aov, Fill, PosedScene, Scene, View, ViewSlot};
+
+use crate::pictures::{PictureError, alone, around, renderer};
 
 const SIZE: [u32; 2] = [120, 68];
 /// Maximum relative root mean square error away from edges: normals are packed to 2^-15, which at grazing light, at a
@@ -31,8 +33,8 @@ fn with_all(light: Light, reference: &Reference, view: &View) -> Light {
     // Distances along the light of the surfaces that it lights.
     let source = ReferenceLight::new(&light::CheckedLight::new(light.clone()).expect("valid"));
     let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
-    let place = |at| Some(reference.sample(&source, &reference.surface(view, at)?)?.coords.s);
-    let mut distances: Vec<f64> = pixels.filter_map(place).collect();
+    let distance = |at| Some(reference.sample(&source, &reference.surface(view, at)?)?.coords.s);
+    let mut distances: Vec<f64> = pixels.filter_map(distance).collect();
     distances.sort_by(f64::total_cmp);
     let [near, far] = [distances.len() / 20, distances.len() * 19 / 20].map(|index| distances[index]);
     let along = |share: f64| near + share * (far - near);
@@ -65,8 +67,8 @@ fn demo() -> (Arc<PosedScene>, View, Vec<Light>) {
     let view = View::beauty(loaded.contents.cameras[0].clone(), SIZE);
     let source = DVec3::new(-1.4, 2.6, 1.4);
     // The light ends among the vases, so that parameters of its end show.
-    let way = [[0.0, 0.0, 0.0], [0.1, 0.5, 0.0], [1.0, -0.2, -0.9], [1.5, -1.6, -1.4], [1.8, -2.7, -1.7]];
-    let bent = Light::bendy(way.map(DVec3::from_array).into(), vec![0.1, 0.2, 0.5, 1.1, 1.3]);
+    let points = [[0.0, 0.0, 0.0], [0.1, 0.5, 0.0], [1.0, -0.2, -0.9], [1.5, -1.6, -1.4], [1.8, -2.7, -1.7]];
+    let bent = Light::bendy(points.map(DVec3::from_array).into(), vec![0.1, 0.2, 0.5, 1.1, 1.3]);
     let bent = bent.with(TRANSLATION, source).with(UP, DVec3::new(0.3, 1.0, 0.2)).with(INTENSITY, 9.0);
     let aimed = DQuat::from_rotation_arc(DVec3::NEG_Z, (DVec3::new(0.0, 0.5, 0.0) - source).normalize());
     let spot = Light::spot().with(TRANSLATION, source).with(ROTATION, aimed);
@@ -84,9 +86,7 @@ fn others(parameter: &Parameter, now: &Value, node: &str) -> Vec<Value> {
         allowed.filter(|value| value != now && parameter.check(value).is_ok()).take(1).collect()
     };
     match (&parameter.kind, now) {
-        (ParameterKind::Links, _) => {
-            Links::new(Vec::new(), vec![node.into()]).map(Value::Links).into_iter().collect()
-        }
+        (ParameterKind::Links, _) => Links::new(Vec::new(), vec![node.into()]).map(Value::Links).into_iter().collect(),
         (ParameterKind::Choice(choices), _) => {
             choices.iter().map(|choice| Value::Choice(choice.name)).filter(|value| value != now).collect()
         }
@@ -106,23 +106,13 @@ fn others(parameter: &Parameter, now: &Value, node: &str) -> Vec<Value> {
     }
 }
 
-fn instance(light: &Light) -> Vec<LightInstance> {
-    let checked = light::CheckedLight::new(light.clone()).expect("it may have that value");
-    vec![LightInstance { id: LightId(1), light: Arc::new(checked) }]
-}
-
 fn since(before: PassCounts, after: PassCounts) -> [u64; 3] {
     [after.gbuffer - before.gbuffer, after.shadow - before.shadow, after.lighting - before.lighting]
 }
 
-/// Radiance by the reference of the pixels that are compared.
-struct Expected {
-    radiance: Vec<Option<DVec3>>,
-}
-
 /// Properties at a pixel's center that must not change nearby if the pixel is compared.
 #[derive(Clone, Copy)]
-struct RenderedPicture {
+struct PixelCenter {
     node: usize,
     normal: DVec3,
     depth: f64,
@@ -131,7 +121,8 @@ struct RenderedPicture {
     shines: bool,
 }
 
-fn expected(reference: &Reference, view: &View, light: &Light) -> Expected {
+/// Radiance by the reference of the pixels that are compared.
+fn expected(reference: &Reference, view: &View, light: &Light) -> Vec<Option<DVec3>> {
     let checked = light::CheckedLight::new(light.clone()).expect("valid");
     let source = ReferenceLight::new(&checked);
     let linked = [LinkedReferenceLight::new(&reference.bvh.posed, &checked)];
@@ -139,52 +130,29 @@ fn expected(reference: &Reference, view: &View, light: &Light) -> Expected {
     let at = |index: usize| DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
     let surfaces: Vec<Option<ShadedPoint>> =
         (0..width * height).map(|index| reference.surface(view, at(index))).collect();
-    let seen: Vec<Option<RenderedPicture>> = surfaces
+    let seen: Vec<Option<PixelCenter>> = surfaces
         .iter()
         .map(|surface| {
             let surface = surface.as_ref()?;
             let sample = reference.sample(&source, surface);
-            let (lit, shines) =
-                (sample.map(|s| s.is_visible), sample.is_some_and(|s| s.irradiance != DVec3::ZERO));
-            Some(RenderedPicture {
-                node: surface.node,
-                normal: surface.normal,
-                depth: surface.depth,
-                lit,
-                shines,
-            })
+            let (lit, shines) = (sample.map(|s| s.is_visible), sample.is_some_and(|s| s.irradiance != DVec3::ZERO));
+            Some(PixelCenter { node: surface.node, normal: surface.normal, depth: surface.depth, lit, shines })
         })
         .collect();
-    let alike = |a: RenderedPicture, b: RenderedPicture| {
+    let alike = |a: PixelCenter, b: PixelCenter| {
         a.normal.dot(b.normal) > 0.9
             && (a.depth / b.depth - 1.0).abs() < 0.05
             && (a.node, a.lit, a.shines) == (b.node, b.lit, b.shines)
     };
     let off_boundary = |index: usize| {
-        let (x, y) = (index % width, index / width);
-        let reach = |at: usize, end: usize| at.saturating_sub(2)..(at + 3).min(end);
-        let around = reach(y, height).flat_map(|y| reach(x, width).map(move |x| y * width + x));
-        seen[index].is_some_and(|here| {
-            around.into_iter().all(|other| seen[other].is_some_and(|there| alike(here, there)))
-        })
+        let is_alike = |here, other: usize| seen[other].is_some_and(|there| alike(here, there));
+        seen[index].is_some_and(|here| around(index, SIZE, 2).all(|other| is_alike(here, other)))
     };
     let radiance = |index: usize| {
         let surface = surfaces[index].as_ref().filter(|_| off_boundary(index))?;
         Some(reference.radiance(&linked, 0.0, surface))
     };
-    Expected { radiance: (0..width * height).map(radiance).collect() }
-}
-
-/// Relative root mean square error of a picture, and its number of compared pixels.
-fn rmse(drawn: &Picture, expected: &Expected) -> (f64, usize) {
-    let (mut error2, mut expected2, mut compared) = (0.0, 0.0, 0);
-    for ([r, g, b, _], expected) in drawn.pixels.iter().zip(&expected.radiance) {
-        let Some(expected) = expected else { continue };
-        error2 += (DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b)) - expected).length_squared();
-        expected2 += expected.length_squared();
-        compared += 1;
-    }
-    (if error2 == 0.0 { 0.0 } else { (error2 / expected2).sqrt() }, compared)
+    (0..width * height).map(radiance).collect()
 }
 
 #[test]
@@ -192,11 +160,11 @@ fn every_parameter_of_every_shape_does_what_its_row_says() {
     let (posed, view, lights) = demo();
     let view = View { aov: Aov::Beauty, slot: ViewSlot(1), ..view };
     let reference = Reference::new(Arc::clone(&posed));
-    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer");
+    let mut renderer = renderer();
     renderer.set_scene(&posed).expect("the scene fits");
     let mut draw = |light: &Light| {
         let before = renderer.counts();
-        let picture = renderer.render(&view, &instance(light)).expect("it can be drawn");
+        let picture = renderer.render(&view, &alone(light)).expect("it can be drawn");
         (picture, since(before, renderer.counts()))
     };
     let mut faults = Vec::new();
@@ -220,12 +188,13 @@ fn every_parameter_of_every_shape_does_what_its_row_says() {
                     ParameterTouches::Weight | ParameterTouches::Radiance => [0, 0, 1],
                     ParameterTouches::ShadowMap | ParameterTouches::Scene => [0, 1, 1],
                 };
-                let (off, compared) = rmse(&picture, &expected(&reference, &view, &set));
+                let PictureError { relative_rmse: off, compared } =
+                    PictureError::new(&picture, expected(&reference, &view, &set));
                 // The planted fault: the parameter is not set. An omni light has no direction, so its rotation shows
                 // only in a projected image.
                 let shows = touches > ParameterTouches::Nothing
                     && (shape, parameter.name) != (ParameterOwner::Omni, "rotation");
-                let (unset, _) = rmse(&picture, &base_expected);
+                let unset = PictureError::new(&picture, base_expected.iter().copied()).relative_rmse;
                 let (undone, [gbuffer, ..]) = draw(base);
                 let wrong = [
                     (passes != allowed, format!("{passes:?} passes instead of {allowed:?}")),

@@ -1,17 +1,14 @@
 //! Compares the radiance of textured surfaces with the reference.
 
-use std::sync::{Arc, LazyLock};
-
 use bench::compare::{ComparisonSubject, ExpectedPicture, RenderedSubject};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
-use light::parameters::{ROTATION, TRANSLATION};
-use light::{Light, LightInstance};
-use render::{Gpu, Renderer, ShadowSettings};
-use scene::{
-    Camera, Fill, Image, Material, Mesh, Node, Primitive, Projection, Sampler, Scene, TextureRef, View,
-};
+use light::Light;
+use light::parameters::TRANSLATION;
+use render::ShadowSettings;
+use scene::{Camera, Fill, Image, Material, Primitive, Sampler, Scene, TextureRef, View};
 
-static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| Arc::new(Gpu::new().expect("a graphics driver")));
+use crate::boxes::{add_mesh, camera};
+use crate::pictures::{alone, renderer};
 
 const SIDE: u32 = 32;
 
@@ -41,46 +38,32 @@ fn wall(image: Image, sampler: Sampler, start: Vec2) -> Scene {
         indices: vec![0, 1, 2, 0, 2, 3],
         ..Primitive::default()
     };
-    let name = String::new();
-    let material = Material {
-        base_color_texture: Some(TextureRef { image: 0, sampler }),
-        roughness: 0.7,
-        ..Material::default()
-    };
-    Scene {
-        nodes: vec![Node { name, parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) }],
-        meshes: vec![Mesh { name: String::new(), primitives: vec![wall] }],
-        materials: vec![material],
-        images: vec![image],
-        fill: Fill { sky: DVec3::ZERO, ground: DVec3::ZERO },
-    }
+    let material =
+        Material { base_color_texture: Some(TextureRef { image: 0, sampler }), roughness: 0.7, ..Material::default() };
+    let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
+    let mut scene = Scene { materials: vec![material], images: vec![image], fill, ..Scene::default() };
+    add_mesh(&mut scene, DAffine3::IDENTITY, vec![wall]);
+    scene
 }
 
 /// About eight pixels per texel.
 fn view() -> View {
-    let camera = Camera {
-        name: String::new(),
-        translation: DVec3::new(0.1, 0.05, 2.0),
-        rotation: DQuat::from_rotation_z(0.1),
-        projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05, zfar: None },
-    };
-    View::beauty(camera, [240, 220])
+    let camera = camera([0.1, 0.05, 2.0], [0.1, 0.05, 0.0], 0.8);
+    View::beauty(Camera { rotation: DQuat::from_rotation_z(0.1), ..camera }, [240, 220])
 }
 
 /// Light from the front, wide enough for the whole wall.
 fn light() -> Light {
-    Light::bendy([0.0, 1.5, 3.0, 4.5].map(|z| DVec3::new(0.0, 0.0, -z)).into(), vec![0.5, 2.0, 4.0, 5.0])
-        .with(TRANSLATION, DVec3::new(0.2, 0.3, 3.0))
-        .with(ROTATION, DQuat::IDENTITY)
+    let points = [0.0, 1.5, 3.0, 4.5].map(|z| DVec3::new(0.0, 0.0, -z));
+    Light::bendy(points.into(), vec![0.5, 2.0, 4.0, 5.0]).with(TRANSLATION, DVec3::new(0.2, 0.3, 3.0))
 }
 
 /// Error of the radiance in the picture of `drawn`, as a picture of `scene`, relative to its root mean square.
 fn error(scene: &Scene, drawn: &Scene) -> f64 {
     let subject = ComparisonSubject::new("wall", scene.clone(), light(), view());
-    let mut renderer = Renderer::new(Arc::clone(&GPU)).expect("a renderer");
+    let mut renderer = renderer();
     renderer.set_scene(&scene::pose(drawn.clone())).expect("the scene fits");
-    let lights = LightInstance::numbered([light()]).expect("a light");
-    let drawn = RenderedSubject::under(&mut renderer, &subject, &lights, ShadowSettings::default());
+    let drawn = RenderedSubject::under(&mut renderer, &subject, &alone(&light()), ShadowSettings::default());
     let expected = ExpectedPicture::new(&subject, || {}).expect("the light is valid");
     let found = expected.compare(&drawn.expect("it can be drawn"));
     assert!(found.in_light > found.pixels * 9 / 10 && found.pixels > 40_000, "{found:?}");

@@ -22,7 +22,7 @@ function plain(value) {
   const out = Object.fromEntries(Object.entries(value).map(([key, item]) => [key, plain(item)]));
   if (out.properties) {
     for (const [name, property] of Object.entries(out.properties)) {
-      // What may be absent is absent, never null.
+      // A field that may be absent is absent, never null.
       if (!out.required?.includes(name)) out.properties[name] = withoutNull(property);
     }
   }

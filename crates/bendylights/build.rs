@@ -13,8 +13,7 @@ fn main() {
     }
     // Sources without git, for instance in a distribution's package, give the commit by the variable, or not at
     // all.
-    let commit =
-        std::env::var("BENDYLIGHTS_COMMIT").ok().or_else(|| git(&["rev-parse", "--short=10", "HEAD"]));
+    let commit = std::env::var("BENDYLIGHTS_COMMIT").ok().or_else(|| git(&["rev-parse", "--short=10", "HEAD"]));
     let version = env!("CARGO_PKG_VERSION");
     let said = commit.map_or_else(|| version.to_owned(), |commit| format!("{version} ({commit})"));
     println!("cargo::rustc-env=BENDYLIGHTS_VERSION={said}");

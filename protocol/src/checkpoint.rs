@@ -6,8 +6,7 @@ use edit::{Session, SessionHistory};
 use light::LightId;
 use serde::{Deserialize, Serialize};
 
-use crate::error::from_json;
-use crate::{Document, FileError, Refused};
+use crate::{Document, Refused};
 
 /// State of a session after one of its records. It replaces all records before, so that replay can start from
 /// it. The document's hash at that record proves it.
@@ -65,11 +64,6 @@ pub struct Renumbering {
 }
 
 impl SessionCheckpoint {
-    /// Parses the output of [`Self::to_json`].
-    pub fn parse(text: &str) -> Result<Self, FileError> {
-        from_json(text)
-    }
-
     /// Returns one line of JSON.
     pub fn to_json(&self) -> String {
         crate::log_line::to_line(self)
@@ -77,35 +71,34 @@ impl SessionCheckpoint {
 
     /// Restores the session.
     pub fn into_domain(self) -> Result<Session, Refused> {
-        let undo = |undo: PastUndo| edit::PastUndo {
-            seq: undo.seq,
-            actor_id: undo.actor,
-            target: undo.target,
-            target_actor_id: undo.target_actor,
+        let undo = |PastUndo { seq, actor: actor_id, target, target_actor: target_actor_id }| edit::PastUndo {
+            seq,
+            actor_id,
+            target,
+            target_actor_id,
         };
-        let steps_of =
-            |(actor, seqs): (String, Vec<u64>)| seqs.into_iter().map(move |seq| (seq, actor.clone()));
+        let steps_of = |(actor, seqs): (String, Vec<u64>)| seqs.into_iter().map(move |seq| (seq, actor.clone()));
         let mut steps: Vec<(u64, String)> = self.steps.into_iter().flat_map(steps_of).collect();
         steps.sort_unstable();
-        let past = SessionHistory {
+        let history = SessionHistory {
             steps,
             undos: self.undos.into_iter().map(undo).collect(),
             touched: self.touched.into_iter().map(|t| (LightId(t.light), t.actor, t.seq)).collect(),
             renumbered: self.renumbered.into_iter().map(|r| (LightId(r.light), r.seq)).collect(),
         };
         let document = self.document.into_domain(self.last_number)?;
-        Ok(Session::restore(document, self.seq, &past))
+        Ok(Session::restore(document, self.seq, &history))
     }
 }
 
 impl From<&Session> for SessionCheckpoint {
     fn from(session: &Session) -> Self {
         let SessionHistory { steps, undos, touched, renumbered } = session.session_history();
-        let undo = |undo: edit::PastUndo| PastUndo {
-            seq: undo.seq,
-            actor: undo.actor_id,
-            target: undo.target,
-            target_actor: undo.target_actor_id,
+        let undo = |edit::PastUndo { seq, actor_id: actor, target, target_actor_id: target_actor }| PastUndo {
+            seq,
+            actor,
+            target,
+            target_actor,
         };
         let mut steps_of = BTreeMap::<String, Vec<u64>>::new();
         for (seq, actor) in steps {
@@ -119,10 +112,7 @@ impl From<&Session> for SessionCheckpoint {
             steps: steps_of,
             undos: undos.into_iter().map(undo).collect(),
             touched: touched.into_iter().map(touch).collect(),
-            renumbered: renumbered
-                .into_iter()
-                .map(|(light, seq)| Renumbering { light: light.0, seq })
-                .collect(),
+            renumbered: renumbered.into_iter().map(|(light, seq)| Renumbering { light: light.0, seq }).collect(),
         }
     }
 }

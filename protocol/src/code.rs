@@ -196,9 +196,7 @@ impl From<&EditError> for ErrorCode {
             EditError::Undrawable(_) => Self::InvalidLight,
             EditError::InvalidCamera(_) => Self::InvalidCamera,
             EditError::UnknownAsset(_) => Self::UnknownAsset,
-            EditError::TooMany { .. } | EditError::TooManyChosen { .. } | EditError::TooLong { .. } => {
-                Self::TooMany
-            }
+            EditError::TooMany { .. } | EditError::TooManyChosen { .. } | EditError::TooLong { .. } => Self::TooMany,
             EditError::Conflict(_) => Self::Conflict,
         }
     }

@@ -4,7 +4,7 @@ use document::{CameraId, FeatureDrag, ParameterTarget, PinId};
 use drag::Viewport;
 use std::sync::Arc;
 
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 use light::{LightId, ParameterOwner, Setting};
 use schemars::JsonSchema;
 use serde::de::DeserializeSeed;
@@ -220,18 +220,16 @@ impl TryFrom<Command> for document::Command {
     /// Checks all that needs no document: added lights must be valid, and a scene must be named by its hash.
     /// The server has replaced the name of a demo by its hash before.
     fn try_from(wire: Command) -> Result<Self, Refused> {
-        let vector = |v: Option<Vec3>| v.map(DVec3::from);
-        let rotation = |q: Option<Quat>| q.map(DQuat::from_array);
         Ok(match wire {
             Command::LoadScene { scene, name } => {
                 Self::LoadScene { asset: scene.parse()?, name: name.unwrap_or(scene) }
             }
             Command::AddLight { light } => Self::AddLight(Arc::new(light.try_into()?)),
             Command::RemoveLight { light } => Self::RemoveLight(LightId(light)),
-            Command::PlaceLight { light, translation, rotation: r, scale } => Self::PlaceLight {
+            Command::PlaceLight { light, translation, rotation, scale } => Self::PlaceLight {
                 light: LightId(light),
-                translation: vector(translation),
-                rotation: rotation(r),
+                translation: translation.map(Into::into),
+                rotation: rotation.map(DQuat::from_array),
                 scale,
             },
             Command::Set { target, value } => set(&target, &value)?,
@@ -267,9 +265,9 @@ impl TryFrom<Command> for document::Command {
             Command::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
                 light: LightId(light),
                 point,
-                position: vector(position),
+                position: position.map(Into::into),
                 radius,
-                color: vector(color),
+                color: color.map(Into::into),
                 intensity,
             },
             Command::RemovePoint { light, point } => Self::RemovePoint { light: LightId(light), point },
@@ -278,15 +276,15 @@ impl TryFrom<Command> for document::Command {
                 segments: segments.unwrap_or(document::DEFAULT_BEND_SEGMENTS),
                 range,
                 cone_angle,
-                toward: vector(toward),
+                toward: toward.map(Into::into),
             },
             Command::StraightenLight { light } => Self::StraightenLight(LightId(light)),
             Command::AddCamera { camera } => Self::AddCamera(camera.into()),
             Command::RemoveCamera { camera } => Self::RemoveCamera(CameraId(camera)),
-            Command::PlaceCamera { camera, translation, rotation: r } => Self::PlaceCamera {
+            Command::PlaceCamera { camera, translation, rotation } => Self::PlaceCamera {
                 camera: CameraId(camera),
-                translation: vector(translation),
-                rotation: rotation(r),
+                translation: translation.map(Into::into),
+                rotation: rotation.map(DQuat::from_array),
             },
             Command::SetCamera { camera, parameter } => {
                 Self::SetCamera { camera: CameraId(camera), parameter: parameter.into() }
@@ -309,9 +307,7 @@ fn radii_follow(radii: DragRadii) -> Result<bool, Refused> {
 fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Refused> {
     let refused = |why: String| Refused::Address(format!("`{}` cannot be set: {why}", excerpt(address)));
     let (target, name) = ParameterTarget::from_address(address).ok_or_else(|| {
-        refused(
-            "write an address as /lights/ID/NAME, /lights/ID/points/INDEX/NAME or /cameras/ID/NAME".into(),
-        )
+        refused("write an address as /lights/ID/NAME, /lights/ID/points/INDEX/NAME or /cameras/ID/NAME".into())
     })?;
     let rows = match target {
         ParameterTarget::Light(_) => LightParameter::rows(),
@@ -322,9 +318,8 @@ fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Re
     };
     let names = || rows.iter().map(|row| row.name);
     let row = rows.iter().copied().find(|row| row.name == name);
-    let row = row.ok_or_else(|| {
-        refused(json_wording(&unknown::<serde_json::Error>("parameter", name, names()).to_string()))
-    })?;
+    let row = row
+        .ok_or_else(|| refused(json_wording(&unknown::<serde_json::Error>("parameter", name, names()).to_string())))?;
     let other_type = || refused(format!("`{name}` must be {}", row.kind));
     let setting = || match ValueSeed(row).deserialize(value) {
         Ok(value) => Ok(Setting { parameter: row, value }),
@@ -332,9 +327,7 @@ fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Re
     };
     Ok(match target {
         ParameterTarget::Light(light) => document::Command::SetLight { light, setting: setting()? },
-        ParameterTarget::Point(light, point) => {
-            document::Command::SetPoint { light, point, setting: setting()? }
-        }
+        ParameterTarget::Point(light, point) => document::Command::SetPoint { light, point, setting: setting()? },
         ParameterTarget::Camera(camera) => {
             let parameter = CameraParameter::deserialize(serde_json::json!({ (name): value }));
             let parameter = parameter.map_err(|_| other_type())?.into();
@@ -346,23 +339,17 @@ fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Re
 impl From<&document::Command> for Command {
     fn from(command: &document::Command) -> Self {
         use document::Command as C;
-        let vector = |v: &Option<DVec3>| v.map(|v| v.to_array());
-        let rotation = |q: &Option<DQuat>| q.map(|q| q.to_array());
         match command {
-            C::LoadScene { asset, name } => {
-                Self::LoadScene { scene: asset.to_string(), name: Some(name.clone()) }
-            }
+            C::LoadScene { asset, name } => Self::LoadScene { scene: asset.to_string(), name: Some(name.clone()) },
             C::AddLight(light) => Self::AddLight { light: Light::from(&**light) },
             C::RemoveLight(light) => Self::RemoveLight { light: light.0 },
-            C::PlaceLight { light, translation, rotation: r, scale } => Self::PlaceLight {
+            C::PlaceLight { light, translation, rotation, scale } => Self::PlaceLight {
                 light: light.0,
-                translation: vector(translation),
-                rotation: rotation(r),
+                translation: translation.map(Into::into),
+                rotation: rotation.map(Into::into),
                 scale: *scale,
             },
-            C::SetLight { light, setting } => {
-                Self::SetLight { light: light.0, parameter: setting.clone().into() }
-            }
+            C::SetLight { light, setting } => Self::SetLight { light: light.0, parameter: setting.clone().into() },
             C::SetPoint { light, point, setting } => {
                 Self::SetPoint { light: light.0, point: *point, parameter: setting.clone().into() }
             }
@@ -389,9 +376,9 @@ impl From<&document::Command> for Command {
             C::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
                 light: light.0,
                 point: *point,
-                position: vector(position),
+                position: position.map(Into::into),
                 radius: *radius,
-                color: vector(color),
+                color: color.map(Into::into),
                 intensity: *intensity,
             },
             C::RemovePoint { light, point } => Self::RemovePoint { light: light.0, point: *point },
@@ -400,15 +387,15 @@ impl From<&document::Command> for Command {
                 segments: Some(*segments),
                 range: *range,
                 cone_angle: *cone_angle,
-                toward: vector(toward),
+                toward: toward.map(Into::into),
             },
             C::StraightenLight(light) => Self::StraightenLight { light: light.0 },
             C::AddCamera(camera) => Self::AddCamera { camera: camera.into() },
             C::RemoveCamera(camera) => Self::RemoveCamera { camera: camera.0 },
-            C::PlaceCamera { camera, translation, rotation: r } => Self::PlaceCamera {
+            C::PlaceCamera { camera, translation, rotation } => Self::PlaceCamera {
                 camera: camera.0,
-                translation: vector(translation),
-                rotation: rotation(r),
+                translation: translation.map(Into::into),
+                rotation: rotation.map(Into::into),
             },
             C::SetCamera { camera, parameter } => {
                 Self::SetCamera { camera: camera.0, parameter: parameter.clone().into() }

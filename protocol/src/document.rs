@@ -10,6 +10,7 @@ use scene::PosedScene;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::conversion::same_variants;
 use crate::vector::{Quat, Vec3};
 use crate::{DocumentPin, Light, Refused};
 
@@ -200,28 +201,7 @@ impl From<Camera> for scene::Camera {
     }
 }
 
-impl From<scene::Projection> for Projection {
-    fn from(projection: scene::Projection) -> Self {
-        match projection {
-            scene::Projection::Perspective { yfov, aspect_ratio, znear, zfar } => {
-                Self::Perspective { yfov, aspect_ratio, znear, zfar }
-            }
-            scene::Projection::Orthographic { ymag, aspect_ratio, znear, zfar } => {
-                Self::Orthographic { ymag, aspect_ratio, znear, zfar }
-            }
-        }
-    }
-}
-
-impl From<Projection> for scene::Projection {
-    fn from(wire: Projection) -> Self {
-        match wire {
-            Projection::Perspective { yfov, aspect_ratio, znear, zfar } => {
-                Self::Perspective { yfov, aspect_ratio, znear, zfar }
-            }
-            Projection::Orthographic { ymag, aspect_ratio, znear, zfar } => {
-                Self::Orthographic { ymag, aspect_ratio, znear, zfar }
-            }
-        }
-    }
-}
+same_variants!(scene::Projection = Projection {
+    Perspective { yfov, aspect_ratio, znear, zfar },
+    Orthographic { ymag, aspect_ratio, znear, zfar }
+});

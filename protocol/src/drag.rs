@@ -2,11 +2,11 @@
 
 use document::{DragOutcome as Outcome, LightPin, PinId};
 use drag::{DragRefusal, Feature, PinKind as Kind, RadiusMode};
-use glam::DVec3;
 use light::LightId;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::conversion::same_variants;
 use crate::vector::Vec3;
 
 /// [`Feature`] in JSON.
@@ -160,33 +160,37 @@ pub struct DragOutcome {
     pub pivot_world: Option<Vec3>,
 }
 
-/// Splits a `drag::DragStatus` into the fields of the JSON: status, limit, reason of a refusal, and index of
-/// the pin.
-pub(crate) fn status_parts(
-    status: drag::DragStatus,
-) -> (DragStatus, Option<DragLimit>, Option<DragReason>, Option<usize>) {
-    match status {
-        drag::DragStatus::Landed => (DragStatus::Landed, None, None, None),
-        drag::DragStatus::Limited(limit) => {
-            let pin = if let drag::DragLimit::Pin(pin) = limit { Some(pin) } else { None };
-            (DragStatus::Limited, Some(limit.into()), None, pin)
-        }
-        drag::DragStatus::Refused(refusal) => {
-            let pin = if let DragRefusal::PinDoesNotHold(pin) = refusal { Some(pin) } else { None };
-            (DragStatus::Refused, None, Some(refusal.into()), pin)
+/// Fields of the JSON that hold a [`drag::DragStatus`].
+pub(crate) struct StatusFields {
+    pub status: DragStatus,
+    pub limit: Option<DragLimit>,
+    /// Reason of a refusal.
+    pub reason: Option<DragReason>,
+    /// Number of the pin that stopped the drag.
+    pub pin: Option<usize>,
+}
+
+impl From<drag::DragStatus> for StatusFields {
+    fn from(status: drag::DragStatus) -> Self {
+        let landed = Self { status: DragStatus::Landed, limit: None, reason: None, pin: None };
+        match status {
+            drag::DragStatus::Landed => landed,
+            drag::DragStatus::Limited(limit) => {
+                let pin = if let drag::DragLimit::Pin(pin) = limit { Some(pin) } else { None };
+                Self { status: DragStatus::Limited, limit: Some(limit.into()), pin, ..landed }
+            }
+            drag::DragStatus::Refused(refusal) => {
+                let pin = if let DragRefusal::PinDoesNotHold(pin) = refusal { Some(pin) } else { None };
+                Self { status: DragStatus::Refused, reason: Some(refusal.into()), pin, ..landed }
+            }
         }
     }
 }
 
 impl From<&LightPin> for Pin {
     fn from(LightPin { light, pin }: &LightPin) -> Self {
-        Self {
-            kind: pin.kind.into(),
-            light: light.0,
-            at: pin.at.to_array(),
-            caster: pin.caster.clone(),
-            hard: pin.is_hard,
-        }
+        let drag::DragPin { kind, at, caster, is_hard } = pin.clone();
+        Self { kind: kind.into(), light: light.0, at: at.into(), caster, hard: is_hard }
     }
 }
 
@@ -205,8 +209,7 @@ impl From<(PinId, &LightPin)> for DocumentPin {
 
 impl From<&Outcome> for DragOutcome {
     fn from(outcome: &Outcome) -> Self {
-        let (status, limit, _, pin) = status_parts(outcome.status);
-        let array = |position: Option<DVec3>| position.map(|position| position.to_array());
+        let StatusFields { status, limit, pin, .. } = outcome.status.into();
         Self {
             solver: outcome.solver.clone(),
             version: outcome.version,
@@ -216,9 +219,9 @@ impl From<&Outcome> for DragOutcome {
             residual_px: Some(outcome.residual_px).filter(|residual| residual.is_finite()),
             shadowed_by: outcome.shadowed_by.clone(),
             iterations: outcome.iterations,
-            from_world: array(outcome.from_world),
-            to_world: array(outcome.to_world),
-            pivot_world: array(outcome.pivot_world),
+            from_world: outcome.from_world.map(Into::into),
+            to_world: outcome.to_world.map(Into::into),
+            pivot_world: outcome.pivot_world.map(Into::into),
         }
     }
 }
@@ -246,7 +249,6 @@ impl TryFrom<DragOutcome> for Outcome {
             (DragStatus::Refused, _) => return Err("a drag that was refused leaves no record"),
             _ => return Err("a drag has a `limit` where it is limited, and there alone"),
         };
-        let vector = |position: Option<Vec3>| position.map(DVec3::from);
         Ok(Self {
             solver: wire.solver,
             version: wire.version,
@@ -254,102 +256,19 @@ impl TryFrom<DragOutcome> for Outcome {
             residual_px: wire.residual_px.unwrap_or(f64::INFINITY),
             shadowed_by: wire.shadowed_by,
             iterations: wire.iterations,
-            from_world: vector(wire.from_world),
-            to_world: vector(wire.to_world),
-            pivot_world: vector(wire.pivot_world),
+            from_world: wire.from_world.map(Into::into),
+            to_world: wire.to_world.map(Into::into),
+            pivot_world: wire.pivot_world.map(Into::into),
         })
     }
 }
 
-impl From<DragKind> for Feature {
-    fn from(kind: DragKind) -> Self {
-        match kind {
-            DragKind::Shadow => Self::Shadow,
-            DragKind::Hotspot => Self::Hotspot,
-            DragKind::Highlight => Self::Highlight,
-            DragKind::Diffuse => Self::Diffuse,
-        }
-    }
-}
-
-impl From<Feature> for DragKind {
-    fn from(feature: Feature) -> Self {
-        match feature {
-            Feature::Shadow => Self::Shadow,
-            Feature::Hotspot => Self::Hotspot,
-            Feature::Highlight => Self::Highlight,
-            Feature::Diffuse => Self::Diffuse,
-        }
-    }
-}
-
-impl From<DragRadii> for RadiusMode {
-    fn from(radii: DragRadii) -> Self {
-        match radii {
-            DragRadii::Keep => Self::Keep,
-            DragRadii::Solve => Self::Solve,
-            DragRadii::Follow => Self::Follow,
-        }
-    }
-}
-
-impl From<RadiusMode> for DragRadii {
-    fn from(radii: RadiusMode) -> Self {
-        match radii {
-            RadiusMode::Keep => Self::Keep,
-            RadiusMode::Solve => Self::Solve,
-            RadiusMode::Follow => Self::Follow,
-        }
-    }
-}
-
-impl From<PinKind> for Kind {
-    fn from(kind: PinKind) -> Self {
-        match kind {
-            PinKind::Direction => Self::Direction,
-            PinKind::Lit => Self::Lit,
-            PinKind::Shadowed => Self::Shadowed,
-            PinKind::Shadow => Self::Shadow,
-        }
-    }
-}
-
-impl From<Kind> for PinKind {
-    fn from(kind: Kind) -> Self {
-        match kind {
-            Kind::Direction => Self::Direction,
-            Kind::Lit => Self::Lit,
-            Kind::Shadowed => Self::Shadowed,
-            Kind::Shadow => Self::Shadow,
-        }
-    }
-}
-
-impl From<drag::DragLimit> for DragLimit {
-    fn from(limit: drag::DragLimit) -> Self {
-        match limit {
-            drag::DragLimit::Fold => Self::Fold,
-            drag::DragLimit::Radius => Self::Radius,
-            drag::DragLimit::TubeEdge => Self::TubeEdge,
-            drag::DragLimit::NoDescent => Self::NoDescent,
-            drag::DragLimit::SourceInside => Self::SourceInside,
-            drag::DragLimit::TooMuchWork => Self::TooMuchWork,
-            drag::DragLimit::Pin(_) => Self::Pin,
-        }
-    }
-}
-
-impl From<DragRefusal> for DragReason {
-    fn from(refusal: DragRefusal) -> Self {
-        match refusal {
-            DragRefusal::NothingAtStart => Self::NothingAtStart,
-            DragRefusal::NothingAtEnd => Self::NothingAtEnd,
-            DragRefusal::OutsideTheLight => Self::OutsideTheLight,
-            DragRefusal::NoShadow => Self::NoShadow,
-            DragRefusal::NotBendy => Self::NotBendy,
-            DragRefusal::NoSuchPoint => Self::NoSuchPoint,
-            DragRefusal::NoWeight => Self::NoWeight,
-            DragRefusal::PinDoesNotHold(_) => Self::PinDoesNotHold,
-        }
-    }
-}
+same_variants!(DragKind = Feature { Shadow, Hotspot, Highlight, Diffuse });
+same_variants!(DragRadii = RadiusMode { Keep, Solve, Follow });
+same_variants!(PinKind = Kind { Direction, Lit, Shadowed, Shadow });
+same_variants!(drag::DragLimit => DragLimit {
+    Fold, Radius, TubeEdge, NoDescent, SourceInside, TooMuchWork; Pin
+});
+same_variants!(DragRefusal => DragReason {
+    NothingAtStart, NothingAtEnd, OutsideTheLight, NoShadow, NotBendy, NoSuchPoint, NoWeight; PinDoesNotHold
+});

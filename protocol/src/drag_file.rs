@@ -3,11 +3,10 @@
 use std::fmt;
 
 use drag::DragResult;
-use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::drag::status_parts;
+use crate::drag::StatusFields;
 use crate::error::from_json;
 use crate::{DragKind, DragLimit, DragRadii, DragReason, DragStatus, FileError, Light, PinKind};
 
@@ -75,10 +74,10 @@ pub enum NameOrIndex {
 impl NameOrIndex {
     /// Returns the index of the referenced object in a list with these `names`, or `None` if there is none. If
     /// several objects share a name, the first one counts.
-    pub fn place_in<'a>(&self, mut names: impl ExactSizeIterator<Item = &'a str>) -> Option<usize> {
+    pub fn index_in<'a>(&self, mut names: impl ExactSizeIterator<Item = &'a str>) -> Option<usize> {
         match self {
             Self::Index(index) => (*index < names.len()).then_some(*index),
-            Self::Name(wanted) => names.position(|name| name == wanted),
+            Self::Name(expected) => names.position(|name| name == expected),
         }
     }
 }
@@ -147,34 +146,28 @@ impl FileDrag {
 
 impl DragPin {
     fn to_domain(&self) -> drag::DragPin {
-        drag::DragPin {
-            kind: self.kind.into(),
-            at: self.at.into(),
-            caster: self.caster.clone(),
-            is_hard: self.hard,
-        }
+        drag::DragPin { kind: self.kind.into(), at: self.at.into(), caster: self.caster.clone(), is_hard: self.hard }
     }
 }
 
 impl Dragged {
     /// Converts the result of a drag that took `seconds`. `name` returns the name of a node. `pins` are the
     /// indices that [`FileDrag::to_domain`] returned.
-    pub fn new(landing: &DragResult, pins: &[usize], name: impl Fn(usize) -> String, seconds: f64) -> Self {
-        let (status, limit, reason, pin) = status_parts(landing.status);
-        let array = |position: Option<DVec3>| position.map(|position| position.to_array());
+    pub fn new(result: &DragResult, pins: &[usize], name: impl Fn(usize) -> String, seconds: f64) -> Self {
+        let StatusFields { status, limit, reason, pin } = result.status.into();
         Self {
             status,
             limit,
             reason,
             pin: pin.and_then(|pin| pins.get(pin).copied()),
-            residual_px: Some(landing.residual_px).filter(|residual| residual.is_finite()),
-            shadowed_by: landing.shadowed_by.map(name),
-            iterations: landing.iterations,
+            residual_px: Some(result.residual_px).filter(|residual| residual.is_finite()),
+            shadowed_by: result.shadowed_by.map(name),
+            iterations: result.iterations,
             seconds,
-            from_world: array(landing.from_world),
-            to_world: array(landing.to_world),
-            pivot_world: array(landing.pivot_world),
-            light: Light::from(&landing.light),
+            from_world: result.from_world.map(Into::into),
+            to_world: result.to_world.map(Into::into),
+            pivot_world: result.pivot_world.map(Into::into),
+            light: Light::from(&result.light),
         }
     }
 }

@@ -17,18 +17,18 @@ pub enum FileError {
     #[error("not valid JSON: {} (numbers must be finite; JSON has no NaN or Infinity)", syntax_error_wording(&.0.to_string()))]
     Syntax(serde_json::Error),
     /// The JSON has another shape than expected.
-    #[error("{place}{problem}")]
+    #[error("{path}{problem}")]
     Shape {
         /// Path of the field and a colon; empty for the whole value.
-        place: String,
+        path: String,
         /// Description of the value that was found, and of what was expected.
         problem: String,
     },
     /// The light cannot be evaluated.
-    #[error("{place}{reason}")]
+    #[error("{path}{reason}")]
     Model {
         /// Index of the light in the file and a colon; empty if the file has one light.
-        place: String,
+        path: String,
         /// Error of the light, which also says what to change.
         reason: LightError,
     },
@@ -97,11 +97,11 @@ impl Refused {
 impl FileError {
     /// Returns the same error, with `index` of the light in a file of several lights.
     pub(crate) fn of_light(self, index: usize) -> Self {
-        let prefix = |place| format!("light {index}: {place}");
+        let prefix = |path| format!("light {index}: {path}");
         match self {
             Self::Syntax(_) | Self::Format(_) | Self::Reference(_) => self,
-            Self::Shape { place, problem } => Self::Shape { place: prefix(place), problem },
-            Self::Model { place, reason } => Self::Model { place: prefix(place), reason },
+            Self::Shape { path, problem } => Self::Shape { path: prefix(path), problem },
+            Self::Model { path, reason } => Self::Model { path: prefix(path), reason },
         }
     }
 }
@@ -119,38 +119,32 @@ pub(crate) fn excerpt(text: &str) -> String {
     said
 }
 
-/// Parses `text`, which must be exactly one JSON value, as a `T`.
-pub(crate) fn from_json<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
+/// Parses `text`, which must be exactly one JSON value, as a `T`: a message, a body or a file. An error names the field.
+pub fn from_json<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
     seeded_from_json(text, PhantomData)
 }
 
 /// Parses `text`, which must be exactly one JSON value, with `seed`.
-pub(crate) fn seeded_from_json<'de, S: DeserializeSeed<'de>>(
-    text: &'de str,
-    seed: S,
-) -> Result<S::Value, FileError> {
+pub(crate) fn seeded_from_json<'de, S: DeserializeSeed<'de>>(text: &'de str, seed: S) -> Result<S::Value, FileError> {
     let mut json = serde_json::Deserializer::from_str(text);
     let mut track = serde_path_to_error::Track::new();
     let read = seed.deserialize(serde_path_to_error::Deserializer::new(&mut json, &mut track));
     let value = read.map_err(|error| {
-        let place = match track.path().to_string() {
+        let path = match track.path().to_string() {
             root if root == "." => String::new(),
             path => format!("{path}: "),
         };
-        refused(place, error)
+        refused(path, error)
     })?;
     json.end().map_err(FileError::Syntax)?;
     Ok(value)
 }
 
-fn refused(place: String, error: serde_json::Error) -> FileError {
+fn refused(path: String, error: serde_json::Error) -> FileError {
     // serde_json reports a surplus item of a fixed-length array as a syntax error. Inside a value it is an
     // error of shape.
-    if error.to_string().starts_with("trailing characters") && !place.is_empty() {
-        return FileError::Shape {
-            place,
-            problem: "too many numbers: a pair has 2, a vector 3, a rotation 4".into(),
-        };
+    if error.to_string().starts_with("trailing characters") && !path.is_empty() {
+        return FileError::Shape { path, problem: "too many numbers: a pair has 2, a vector 3, a rotation 4".into() };
     }
     if !error.is_data() {
         return FileError::Syntax(error);
@@ -159,5 +153,5 @@ fn refused(place: String, error: serde_json::Error) -> FileError {
     // translation replaces Rust's terms by JSON's.
     let text = error.to_string();
     let problem = text.rsplit_once(" at line ").map_or(text.as_str(), |(problem, _)| problem);
-    FileError::Shape { place, problem: json_wording(problem) }
+    FileError::Shape { path, problem: json_wording(problem) }
 }

@@ -49,14 +49,9 @@ pub struct TubePoint {
 impl Evaluation {
     /// Converts a located point, together with the visibility that was traced for it.
     pub fn new(location: &TubeLocation, visibility: Option<Visibility>) -> Self {
-        let point = location.point.map(|p| TubePoint {
-            segment: p.segment,
-            u: p.u,
-            t: p.t,
-            v: p.v,
-            w: p.w,
-            radius: p.radius,
-            direction: p.direction.to_array(),
+        let point = location.point.map(|point| {
+            let light::TubePoint { segment, u, t, v, w, radius, direction } = point;
+            TubePoint { segment, u, t, v, w, radius, direction: direction.to_array() }
         });
         Self { inside: point.is_some(), point, visibility, roots: location.roots.clone() }
     }

@@ -59,18 +59,18 @@ pub struct CompactLine {
 
 /// Replaces long values in the JSON of record `seq`, which has no references, by references.
 ///
-/// `find_place` returns the position of the value with a hash, if the log holds it.
+/// `find_position` returns the position of the value with a hash, if the log holds it.
 pub fn compact<E>(
     text: &str,
     seq: u64,
-    find_place: impl FnMut(&str) -> Result<Option<LogPosition>, E>,
+    find_position: impl FnMut(&str) -> Result<Option<LogPosition>, E>,
 ) -> Result<CompactLine, E> {
     let mut spans = long_values(text);
     // Sorts outer values before inner ones.
     spans.sort_by_key(|span| (span.start, std::cmp::Reverse(span.end)));
     let line = CompactLine { text: String::with_capacity(text.len()), new_values: Vec::new() };
     let own = HashMap::new();
-    let mut writer = CompactLineWriter { text, seq, find_place, new_positions: own, copied: 0, line };
+    let mut writer = CompactLineWriter { text, seq, find_position, new_positions: own, copied: 0, line };
     let mut written_to = 0;
     for span in spans {
         // False for a value inside one that was replaced.
@@ -86,7 +86,7 @@ pub fn compact<E>(
 struct CompactLineWriter<'a, F> {
     text: &'a str,
     seq: u64,
-    find_place: F,
+    find_position: F,
     /// Byte indices, by hash, of the values that this line holds first.
     new_positions: HashMap<String, usize>,
     /// Byte at which each value begins that the log contains for the first time in this line, by the value's hash.
@@ -100,9 +100,9 @@ impl<E, F: FnMut(&str) -> Result<Option<LogPosition>, E>> CompactLineWriter<'_, 
     fn write(&mut self, span: Range<usize>) -> Result<usize, E> {
         let hash = hash(&self.text[span.clone()]);
         let own = self.new_positions.get(&hash).map(|&at| LogPosition { record: self.seq, at });
-        let place = if own.is_some() { own } else { (self.find_place)(&hash)? };
+        let position = if own.is_some() { own } else { (self.find_position)(&hash)? };
         self.copy_to(span.start);
-        if let Some(LogPosition { record, at }) = place {
+        if let Some(LogPosition { record, at }) = position {
             let reference = Reference { same_as: Target { record, at, hash } };
             self.line.text.push_str(&to_line(&reference));
             self.copied = span.end;
@@ -139,12 +139,7 @@ impl LineCache {
 
     /// Returns the JSON in full of record `seq`, at most [`MAX_RECORD_BYTES`]. Caches its line and those that
     /// it refers to.
-    pub fn expand<E>(
-        &mut self,
-        line: &str,
-        seq: u64,
-        find_line: &mut FindLine<E>,
-    ) -> Result<String, ReadError<E>> {
+    pub fn expand<E>(&mut self, line: &str, seq: u64, find_line: &mut FindLine<E>) -> Result<String, ReadError<E>> {
         let line = self.keep(line, seq);
         let mut whole = String::with_capacity(line.len());
         let mut part = LineExpansion { held: self, of: seq, find_line, whole: &mut whole };
@@ -169,24 +164,17 @@ struct LineExpansion<'a, 'f, E> {
 
 impl<E> LineExpansion<'_, '_, E> {
     /// Appends the text from `from` to byte `end` of its line, in full.
-    fn expand(
-        &mut self,
-        line: &str,
-        from: LogPosition,
-        end: usize,
-        depth: usize,
-    ) -> Result<(), ReadError<E>> {
+    fn expand(&mut self, line: &str, from: LogPosition, end: usize, depth: usize) -> Result<(), ReadError<E>> {
         let mut copied = from.at;
         for here in reference_starts(&line[..end], from.at) {
             self.whole.push_str(&line[copied..here]);
-            let mut references =
-                serde_json::Deserializer::from_str(&line[here..end]).into_iter::<Reference>();
+            let mut references = serde_json::Deserializer::from_str(&line[here..end]).into_iter::<Reference>();
             let Some(Ok(Reference { same_as: Target { record, at, hash } })) = references.next() else {
                 return Err(self.refused("has a `sameAs` that is not a record, a byte and a hash"));
             };
             copied = here + references.byte_offset();
-            let place = LogPosition { record, at };
-            if place >= (LogPosition { record: from.record, at: here }) {
+            let position = LogPosition { record, at };
+            if position >= (LogPosition { record: from.record, at: here }) {
                 return Err(self.refused(&format!("refers ahead, to record {record}")));
             }
             if depth == 0 {
@@ -199,7 +187,7 @@ impl<E> LineExpansion<'_, '_, E> {
                 return Err(self.refused("refers to what is around it"));
             }
             let start = self.whole.len();
-            self.expand(&held, place, held_end, depth - 1)?;
+            self.expand(&held, position, held_end, depth - 1)?;
             if self.whole.len() > MAX_RECORD_BYTES {
                 return Err(self.refused(&format!("has more than {MAX_RECORD_BYTES} bytes in full")));
             }
@@ -231,8 +219,7 @@ impl<E> LineExpansion<'_, '_, E> {
 fn reference_starts(line: &str, at: usize) -> impl Iterator<Item = usize> {
     let mut scan = Scan::default();
     (at..line.len()).filter(move |&here| {
-        let is_mark =
-            !scan.in_string && line.as_bytes()[here] == b'{' && line[here..].starts_with(REFERENCE_PREFIX);
+        let is_mark = !scan.in_string && line.as_bytes()[here] == b'{' && line[here..].starts_with(REFERENCE_PREFIX);
         scan.take(line.as_bytes()[here], here);
         is_mark
     })
@@ -287,5 +274,5 @@ impl Scan {
 }
 
 fn hash(text: &str) -> String {
-    format!("{:x}", Sha256::digest(text))
+    const_hex::const_encode::<32, false>(&Sha256::digest(text).into()).as_str().into()
 }

@@ -12,6 +12,7 @@
 mod checkpoint;
 mod code;
 mod command;
+mod conversion;
 mod document;
 mod drag;
 pub mod drag_file;
@@ -39,9 +40,7 @@ mod variants;
 mod vector;
 mod words;
 
-pub use self::drag::{
-    DocumentPin, DragKind, DragLimit, DragOutcome, DragRadii, DragReason, DragStatus, Pin, PinKind,
-};
+pub use self::drag::{DocumentPin, DragKind, DragLimit, DragOutcome, DragRadii, DragReason, DragStatus, Pin, PinKind};
 pub use self::light::Light;
 pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};
 pub use code::{ErrorCode, Problem};
@@ -49,37 +48,34 @@ pub use command::{CameraParameter, Command};
 pub use document::{
     Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, SceneRef, json_around_document,
 };
-pub use error::{FileError, Refused};
+pub use error::{FileError, Refused, from_json as parse_body};
 pub use evaluation::{Evaluation, TubePoint, Visibility};
 pub use format::FORMAT;
 pub use held::{CompactLine, LogPosition, MIN_HELD_BYTES, compact};
 pub use http::{
-    Asset, DemoScene, DemoScenes, Duplicate, Edit, EditResults, Edits, ErrorBody, LastChange, NewSession,
-    Pick, Picked, SceneNodes, SessionChange, SessionEntry, SessionList, SessionState,
+    Asset, DemoScene, DemoScenes, Duplicate, Edit, EditResults, Edits, ErrorBody, LastChange, NewSession, Pick, Picked,
+    SceneNodes, SessionChange, SessionEntry, SessionList, SessionState,
 };
 pub use log_file::{Checkpoint, CheckpointLine, FIRST_PROOF, LogHeader, LogLine, LogReader, next_proof};
 pub use log_line::{FindLine, ReadError};
 pub use message::{
     ClientMessage, History, HistoryStep, HistorySteps, Interaction, PROTOCOL, Presence, Reduction, Resync,
-    ServerMessage, Settings, State, ViewSettings, ViewSource, Welcome, parse_body,
+    ServerMessage, Settings, State, ViewSettings, ViewSource, Welcome,
 };
 pub use openapi::openapi;
 pub use outcome::{Added, Committed, EditResult, GestureState, GestureStatus, Outcome};
 pub use parameter::{LightParameter, PointParameter};
 pub use parameter_table::{
-    Parameter, ParameterChoice, ParameterKind, ParameterOwner, ParameterScale, ParameterTable,
-    ParameterTouches, parameter_table,
+    Parameter, ParameterChoice, ParameterKind, ParameterOwner, ParameterScale, ParameterTable, ParameterTouches,
+    parameter_table,
 };
 pub use probe::{
     ProbeAnswer, ProbeCamera, ProbeDisabledBy, ProbeRequest, ProbeState, Probed, ProbedCaster, ProbedLight,
     ProbedPlace, ProbedSurface,
 };
-pub use record::{
-    Action, Actor, Change, ControlPoints, MAX_RECORD_BYTES, PlacedLight, Record, RecordedCommand, Scope,
-};
+pub use record::{Action, Actor, Change, ControlPoints, MAX_RECORD_BYTES, PlacedLight, Record, RecordedCommand, Scope};
 pub use render_request::{
-    Aovs, CameraChoice, RenderBackground, RenderFormat, RenderLimits, RenderParameters, RenderRefusal,
-    RenderRequest,
+    Aovs, CameraChoice, RenderBackground, RenderFormat, RenderLimits, RenderParameters, RenderRefusal, RenderRequest,
 };
 pub use schema::{SchemaSide, json_schema};
 pub use stats::{Cause, FrameQuality, FrameStats, Pass, PassRun, TraceLine, TraceWhat};

@@ -9,8 +9,7 @@ use std::fmt;
 
 use document::was_in_format_2;
 use light::{
-    CheckedLight, ControlPoint, LightError, LightShape, MAX_NAME_BYTES, Parameter, ParameterOwner, Setting,
-    Value,
+    CheckedLight, ControlPoint, LightError, LightShape, MAX_NAME_BYTES, Parameter, ParameterOwner, Setting, Value,
 };
 use schemars::generate::Contract;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -37,8 +36,9 @@ struct Type {
     /// Value of the field `type`.
     name: &'static str,
     owner: ParameterOwner,
-    /// Name of the type in schemas, and a sentence about it.
-    schema: (&'static str, &'static str),
+    schema_name: &'static str,
+    /// Sentence about the type in schemas.
+    doc: &'static str,
 }
 
 /// All types of lights.
@@ -46,21 +46,21 @@ const TYPES: [Type; 4] = [
     Type {
         name: "bendy",
         owner: ParameterOwner::Bendy,
-        schema: (
-            "Bendy",
-            "Light along a spline. Each list has one value a control point, three or more; the first is the source.",
-        ),
+        schema_name: "Bendy",
+        doc: "Light along a spline. Each list has one value a control point, three or more; the first is the source.",
     },
     Type {
         name: "spot",
         owner: ParameterOwner::Spot,
-        schema: ("Spot", "Light along straight lines, in a cone."),
+        schema_name: "Spot",
+        doc: "Light along straight lines, in a cone.",
     },
-    Type { name: "omni", owner: ParameterOwner::Omni, schema: ("Omni", "Light from a point to all sides.") },
+    Type { name: "omni", owner: ParameterOwner::Omni, schema_name: "Omni", doc: "Light from a point to all sides." },
     Type {
         name: "directional",
         owner: ParameterOwner::Directional,
-        schema: ("Directional", "Light along parallel lines from infinitely far away."),
+        schema_name: "Directional",
+        doc: "Light along parallel lines from infinitely far away.",
     },
 ];
 
@@ -75,9 +75,8 @@ impl<'de> Deserialize<'de> for WireLightType {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let word = String::deserialize(deserializer)?;
         let known = TYPES.iter().find(|known| known.name == word);
-        known
-            .map(|known| Self(known.owner))
-            .ok_or_else(|| unknown("variant", &word, TYPES.iter().map(|known| known.name)))
+        let known = known.ok_or_else(|| unknown("variant", &word, TYPES.iter().map(|known| known.name)))?;
+        Ok(Self(known.owner))
     }
 }
 
@@ -326,11 +325,7 @@ impl Light {
         let mut points = vec![ControlPoint::new(glam::DVec3::ZERO, 0.0); count];
         for (row, values) in rows.iter().filter_map(|row| given(row)) {
             if values.len() != count {
-                return Err(LightError::LengthMismatch {
-                    field: row.path,
-                    count: values.len(),
-                    points: count,
-                });
+                return Err(LightError::LengthMismatch { field: row.path, count: values.len(), points: count });
             }
             for (point, value) in points.iter_mut().zip(values) {
                 point.set(&Setting { parameter: row, value: value.clone() });
@@ -345,12 +340,9 @@ impl From<&light::Light> for Light {
         let owner = light.owner();
         let given = light.values().filter(|(row, value)| is_written(owner, row, value));
         let settings = given.map(|(parameter, value)| Setting { parameter, value: value.clone() });
-        let lists = light::parameters_of(ParameterOwner::Point)
-            .iter()
-            .filter(|_| light.owner() == ParameterOwner::Bendy);
-        let list = |row: &&'static Parameter| {
-            (*row, light.points().iter().filter_map(|point| point.value(row)).collect())
-        };
+        let lists = light::parameters_of(ParameterOwner::Point).iter().filter(|_| owner == ParameterOwner::Bendy);
+        let list =
+            |row: &&'static Parameter| (*row, light.points().iter().filter_map(|point| point.value(row)).collect());
         Self { owner, settings: settings.collect(), lists: lists.map(list).collect() }
     }
 }
@@ -369,7 +361,8 @@ impl TryFrom<Light> for CheckedLight {
             ParameterOwner::Bendy => LightShape::Bendy(wire.points()?),
             ParameterOwner::Omni => LightShape::Omni,
             ParameterOwner::Directional => LightShape::Directional,
-            _ => LightShape::Spot,
+            // No light is a control point or a camera.
+            ParameterOwner::Spot | ParameterOwner::Point | ParameterOwner::Camera => LightShape::Spot,
         };
         let mut light = light::Light::new(shape);
         wire.settings.into_iter().for_each(|setting| light.set(setting));
@@ -425,11 +418,11 @@ fn light_schema(owner: ParameterOwner, doc: &str, generator: &SchemaGenerator) -
 
 impl<const TYPE: usize> JsonSchema for LightTypeSchema<TYPE> {
     fn schema_name() -> Cow<'static, str> {
-        TYPES[TYPE].schema.0.into()
+        TYPES[TYPE].schema_name.into()
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let Type { owner, schema: (_, doc), .. } = TYPES[TYPE];
+        let Type { owner, doc, .. } = TYPES[TYPE];
         light_schema(owner, doc, generator)
     }
 }

@@ -34,7 +34,7 @@ fn parse_light(text: &str) -> Result<CheckedLight, FileError> {
     let WireLightType(owner) = from_json::<Typed>(text)?.r#type;
     let mut light = seeded_from_json(text, LightSeed(owner))?;
     light.cut_name();
-    CheckedLight::try_from(light).map_err(|reason| FileError::Model { place: String::new(), reason })
+    CheckedLight::try_from(light).map_err(|reason| FileError::Model { path: String::new(), reason })
 }
 
 /// Returns the text of a light file with one light: each field in a line, all fields present, no newline at the

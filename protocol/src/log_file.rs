@@ -58,10 +58,12 @@ pub const FIRST_PROOF: &str = "0000000000000000000000000000000000000000000000000
 /// record's line in the log, without the line end. So the proof covers the whole record, including actor, time
 /// and operation id.
 pub fn next_proof(before: &str, line: &str) -> String {
-    format!("{:x}", Sha256::new().chain_update(before).chain_update(line).finalize())
+    let hash = Sha256::new().chain_update(before).chain_update(line).finalize();
+    const_hex::const_encode::<32, false>(&hash.into()).as_str().into()
 }
 
-/// Reader of the lines of a log after its header, in order. It replaces references by values, and updates the proof.
+/// Reader of the lines of a log after its header, in order. It replaces each reference to a value in an earlier line by
+/// that value, and updates the proof ([`next_proof`]).
 #[derive(Clone, Debug)]
 pub struct LogReader {
     held: LineCache,
@@ -81,8 +83,8 @@ impl LogReader {
         Self::going_on_from(&header.first_proof(&header.to_json()))
     }
 
-    /// Returns a reader that starts after a record with this proof. It requests earlier lines when a reference
-    /// needs them.
+    /// Returns a reader that starts after the record up to which the log has this proof ([`next_proof`]). The reader
+    /// asks for an earlier line when a record refers to a value in it.
     pub fn going_on_from(proof: &str) -> Self {
         Self { held: LineCache::default(), proof: proof.into() }
     }
@@ -107,11 +109,7 @@ impl LogReader {
 
     /// Reads the line of a record. Also returns the bytes of its JSON in full. `find_line` returns the lines of
     /// earlier records, if they are available.
-    pub fn read_record<E>(
-        &mut self,
-        line: &str,
-        find_line: &mut FindLine<E>,
-    ) -> Result<(Record, usize), ReadError<E>> {
+    pub fn read_record<E>(&mut self, line: &str, find_line: &mut FindLine<E>) -> Result<(Record, usize), ReadError<E>> {
         let record = self.resolve(line, find_line)?;
         self.proof = next_proof(&self.proof, line);
         Ok(record)
@@ -124,16 +122,14 @@ impl LogReader {
         }
     }
 
-    fn resolve<E>(
-        &mut self,
-        line: &str,
-        find_line: &mut FindLine<E>,
-    ) -> Result<(Record, usize), ReadError<E>> {
+    fn resolve<E>(&mut self, line: &str, find_line: &mut FindLine<E>) -> Result<(Record, usize), ReadError<E>> {
         // A short line holds no long value and lacks none, and format 1 had no references.
         if line.len() <= MIN_HELD_BYTES && !line.contains("\"sameAs\"") {
             return Ok((Record::parse(line)?, line.len()));
         }
-        let Numbered { format, seq } = numbered(line)?;
+        // Only format and sequence number, before the whole line is parsed.
+        let Numbered { format, seq } = from_json(line)?;
+        check_format(format).map_err(FileError::Format)?;
         if format == 1 {
             return Ok((Record::parse(line)?, line.len()));
         }
@@ -146,13 +142,6 @@ impl LogReader {
 struct Numbered {
     format: u32,
     seq: u64,
-}
-
-/// Parses only format and sequence number of a record's line, before all of it is parsed.
-fn numbered(line: &str) -> Result<Numbered, FileError> {
-    let numbered: Numbered = from_json(line)?;
-    check_format(numbered.format).map_err(FileError::Format)?;
-    Ok(numbered)
 }
 
 impl LogLine {
@@ -181,9 +170,6 @@ impl LogHeader {
     /// Computes the proof before the first record. `line` is the header in the log, without the line end (SPEC,
     /// LOG-4).
     pub fn first_proof(&self, line: &str) -> String {
-        match self.format {
-            ..4 => FIRST_PROOF.to_owned(),
-            _ => next_proof("", line),
-        }
+        if self.format < 4 { FIRST_PROOF.to_owned() } else { next_proof("", line) }
     }
 }

@@ -1,13 +1,11 @@
 //! Control messages of the socket (SPEC, section 6).
 
 use schemars::JsonSchema;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::error::from_json;
 use crate::{
-    Actor, Bounds, Camera, Command, Document, EditResult, ErrorCode, FileError, FrameStats, GestureState,
-    ProbeAnswer, ProbeCamera, Record, Scope,
+    Actor, Bounds, Camera, Command, Document, EditResult, ErrorCode, FrameStats, GestureState, ProbeAnswer,
+    ProbeCamera, Record, Scope,
 };
 
 /// Version of the protocol, as in `hello` and `welcome`.
@@ -423,23 +421,4 @@ pub struct Presence {
     pub camera: Option<Camera>,
     /// Settings of the client's own view; `null` without a view.
     pub settings: Option<ViewSettings>,
-}
-
-impl ClientMessage {
-    /// Parses a text message.
-    pub fn parse(text: &str) -> Result<Self, FileError> {
-        from_json(text)
-    }
-}
-
-impl ServerMessage {
-    /// Parses a text message.
-    pub fn parse(text: &str) -> Result<Self, FileError> {
-        from_json(text)
-    }
-}
-
-/// Parses the body of a request.
-pub fn parse_body<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
-    from_json(text)
 }

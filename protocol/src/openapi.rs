@@ -6,69 +6,54 @@ use scene::{Aov, View};
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
 
-use crate::ErrorCode as Code;
+use crate::ErrorCode::{
+    self as Code, Ambiguous, BadLog, BadMessage, BadName, BadScene, Busy, DamagedAsset, Drag, Draining, Exists, Fault,
+    ForeignHost, ForeignOrigin, InUse, InvalidCamera, InvalidLight, NotArchived, NotFound, NotReady, Render, Source,
+    Stalled, Storage, TooLarge, TooMany, Unauthorized, UnknownAsset, UnknownOutcome, UnsupportedMediaType, WarmingUp,
+    WrongKind,
+};
 use crate::drag_file::{Dragged, FileDrag};
 use crate::schema::{SchemaSide, definitions, generator, name};
 use crate::{
-    Aovs, Asset, DemoScenes, Document, Duplicate, EditResults, Edits, ErrorBody, NewSession, PROTOCOL,
-    ParameterTable, Pick, Picked, ProbeRequest, Probed, Record, RenderLimits, RenderRequest, SceneNodes,
-    SessionChange, SessionEntry, SessionList, SessionState,
+    Aovs, Asset, DemoScenes, Document, Duplicate, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable,
+    Pick, Picked, ProbeRequest, Probed, Record, RenderLimits, RenderRequest, SceneNodes, SessionChange, SessionEntry,
+    SessionList, SessionState,
 };
 
 /// JSON pointer of the schemas in the OpenAPI document.
 const SCHEMAS: &str = "#/components/schemas";
 
 /// Error codes of every request: it is refused if it has another host name or comes from another origin.
-const ANONYMOUS_CODES: &[Code] = &[Code::ForeignHost, Code::ForeignOrigin];
+const ANONYMOUS_CODES: &[Code] = &[ForeignHost, ForeignOrigin];
 /// Error codes of every request that needs the token. Such a request must also arrive completely and keep the server's
 /// limits.
-const TOKEN_CODES: &[Code] = &[
-    Code::Unauthorized,
-    Code::BadMessage,
-    Code::Stalled,
-    Code::TooLarge,
-    Code::TooMany,
-    Code::Busy,
-    Code::Draining,
-    Code::Fault,
-];
+const TOKEN_CODES: &[Code] = &[Unauthorized, BadMessage, Stalled, TooLarge, TooMany, Busy, Draining, Fault];
 /// Error codes of requests that read from the store.
-const STORE_CODES: &[Code] = &[Code::Storage];
+const STORE_CODES: &[Code] = &[Storage];
 /// Error codes of requests that open a session, which replays its log and loads its scenes.
-const SESSION_CODES: &[Code] =
-    &[Code::NotFound, Code::Storage, Code::BadLog, Code::UnknownAsset, Code::BadScene, Code::DamagedAsset];
+const SESSION_CODES: &[Code] = &[NotFound, Storage, BadLog, UnknownAsset, BadScene, DamagedAsset];
 /// Error codes of requests with a JSON body.
-const JSON_CODES: &[Code] = &[Code::UnsupportedMediaType];
+const JSON_CODES: &[Code] = &[UnsupportedMediaType];
 /// Error codes of the request that creates a session and loads a scene into it.
-const NEW_SESSION_CODES: &[Code] = &[
-    Code::BadName,
-    Code::Exists,
-    Code::UnknownAsset,
-    Code::BadScene,
-    Code::DamagedAsset,
-    Code::InvalidLight,
-    Code::InvalidCamera,
-    Code::Storage,
-    Code::UnknownOutcome,
-];
+const NEW_SESSION_CODES: &[Code] =
+    &[BadName, Exists, UnknownAsset, BadScene, DamagedAsset, InvalidLight, InvalidCamera, Storage, UnknownOutcome];
 /// Error codes of requests that change the list of sessions.
-const LIST_CODES: &[Code] = &[Code::NotFound, Code::Storage, Code::UnknownOutcome];
+const LIST_CODES: &[Code] = &[NotFound, Storage, UnknownOutcome];
 /// Error codes of requests that render a picture.
-const PICTURE_CODES: &[Code] = &[Code::Render];
+const PICTURE_CODES: &[Code] = &[Render];
 /// Error codes of requests that set parameters.
-const SET_CODES: &[Code] = &[Code::WrongKind, Code::Source, Code::InvalidLight];
+const SET_CODES: &[Code] = &[WrongKind, Source, InvalidLight];
 /// Error codes of the request that uploads a scene's file.
-const UPLOAD_CODES: &[Code] = &[Code::BadName, Code::BadScene, Code::Storage];
+const UPLOAD_CODES: &[Code] = &[BadName, BadScene, Storage];
 /// Error codes of a server that is not ready.
-const READINESS_CODES: &[Code] = &[Code::WarmingUp, Code::NotReady, Code::Draining];
+const READINESS_CODES: &[Code] = &[WarmingUp, NotReady, Draining];
 
-#[derive(Clone)]
 struct Operation {
     path: &'static str,
     method: &'static str,
     id: &'static str,
-    tag: &'static str,
     summary: &'static str,
+    /// Parameters besides the name of the session in the path.
     parameters: Vec<Value>,
     /// Body of the request, by media type; `None` if it has no body.
     body: Option<Value>,
@@ -80,7 +65,9 @@ struct Operation {
     headers: Value,
     /// True if responses have an `ETag`, and a request with a matching `If-None-Match` gets 304.
     has_tag: bool,
-    /// Error codes of refusals, in groups.
+    /// True if the request needs the token.
+    needs_token: bool,
+    /// Error codes of refusals besides those of every request, in groups.
     codes: &'static [&'static [Code]],
 }
 
@@ -92,15 +79,13 @@ pub fn openapi() -> Value {
     name::<Document>(&mut generator);
     name::<Record>(&mut generator);
     let mut paths: BTreeMap<&str, Map<String, Value>> = BTreeMap::new();
-    let operations = of_session_list(&mut generator)
-        .into_iter()
-        .chain(of_sessions(&mut generator))
-        .chain(of_pictures(&mut generator))
-        .chain(of_scenes(&mut generator))
-        .chain(of_service(&mut generator));
-    for operation in operations {
-        let (path, method) = (operation.path, operation.method);
-        paths.entry(path).or_default().insert(method.into(), operation.into_json(&problem));
+    let of_sessions = [of_session_list, of_sessions, of_pictures].map(|list| ("sessions", list(&mut generator)));
+    let others = [("scenes", of_scenes(&mut generator)), ("service", of_service(&mut generator))];
+    for (tag, operations) in of_sessions.into_iter().chain(others) {
+        for operation in operations {
+            let (path, method) = (operation.path, operation.method);
+            paths.entry(path).or_default().insert(method.into(), operation.into_json(tag, &problem));
+        }
     }
     json!({
         "openapi": "3.1.0",
@@ -116,175 +101,134 @@ pub fn openapi() -> Value {
     })
 }
 
-/// Returns the common part of every operation on one session.
-fn of_session() -> Operation {
-    let session = json!({"name": "session", "in": "path", "required": true, "schema": {"type": "string"},
-        "description": "Name of the session."});
-    Operation { parameters: vec![session], tag: "sessions", ..Operation::default() }
+/// Returns a GET that needs the token and has no refusals of its own.
+fn get(path: &'static str, id: &'static str, summary: &'static str) -> Operation {
+    Operation {
+        path,
+        method: "get",
+        id,
+        summary,
+        parameters: Vec::new(),
+        body: None,
+        status: 200,
+        answer: Value::Null,
+        headers: Value::Null,
+        has_tag: false,
+        needs_token: true,
+        codes: &[],
+    }
+}
+
+/// Returns a POST with a JSON body.
+fn post(path: &'static str, id: &'static str, summary: &'static str, body: &Value) -> Operation {
+    Operation { method: "post", body: Some(json_content(body)), ..get(path, id, summary) }
 }
 
 /// Returns the operations on the list of sessions and on whole sessions.
 fn of_session_list(g: &mut SchemaGenerator) -> Vec<Operation> {
     let entry = json_content(&name::<SessionEntry>(g));
-    let of_session = of_session();
-    let of_all = Operation { tag: "sessions", ..Operation::default() };
-    let archived =
-        query("archived", "Those that are archived too.", &json!({"type": "boolean", "default": false}));
+    let archived = query("archived", "Those that are archived too.", &json!({"type": "boolean", "default": false}));
     let named = query("name", "This one alone, where there is one of that name.", &json!({"type": "string"}));
+    let make = "Make a session, with its scene or, on an error, not at all.";
+    let change = "Say what people call a session, archive it, or bring it back.";
+    let duplicate = "Make a session with all of this one's log.";
     vec![
         Operation {
-            path: "/sessions",
-            id: "listSessions",
-            summary: "List the sessions.",
+            parameters: vec![archived, named],
             answer: json_content(&name::<SessionList>(g)),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, STORE_CODES],
-            ..of_all.clone().with(vec![archived, named])
+            codes: &[STORE_CODES],
+            ..get("/sessions", "listSessions", "List the sessions.")
         },
         Operation {
-            path: "/sessions",
-            method: "post",
-            id: "createSession",
-            summary: "Make a session, with its scene or, on an error, not at all.",
-            body: Some(json_content(&name::<NewSession>(g))),
             status: 201,
             answer: json_content(&name::<SessionState>(g)),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, NEW_SESSION_CODES],
-            ..of_all
+            codes: &[JSON_CODES, NEW_SESSION_CODES],
+            ..post("/sessions", "createSession", make, &name::<NewSession>(g))
         },
         Operation {
-            path: "/sessions/{session}",
             method: "patch",
-            id: "changeSession",
-            summary: "Say what people call a session, archive it, or bring it back.",
-            body: Some(json_content(&name::<SessionChange>(g))),
             answer: entry.clone(),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, LIST_CODES, &[Code::BadName]],
-            ..of_session.clone()
+            codes: &[JSON_CODES, LIST_CODES, &[BadName]],
+            ..post("/sessions/{session}", "changeSession", change, &name::<SessionChange>(g))
         },
         Operation {
-            path: "/sessions/{session}",
             method: "delete",
-            id: "deleteSession",
-            summary: "Delete an archived session, with its log, for good.",
             status: 204,
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, LIST_CODES, &[Code::NotArchived, Code::InUse]],
-            ..of_session.clone()
+            codes: &[LIST_CODES, &[NotArchived, InUse]],
+            ..get("/sessions/{session}", "deleteSession", "Delete an archived session, with its log, for good.")
         },
         Operation {
-            path: "/sessions/{session}/duplicate",
-            method: "post",
-            id: "duplicateSession",
-            summary: "Make a session with all of this one's log.",
-            body: Some(json_content(&name::<Duplicate>(g))),
             status: 201,
             answer: entry,
-            codes: &[
-                ANONYMOUS_CODES,
-                TOKEN_CODES,
-                JSON_CODES,
-                LIST_CODES,
-                &[Code::BadName, Code::Exists, Code::BadLog],
-            ],
-            ..of_session
+            codes: &[JSON_CODES, LIST_CODES, &[BadName, Exists, BadLog]],
+            ..post("/sessions/{session}/duplicate", "duplicateSession", duplicate, &name::<Duplicate>(g))
         },
     ]
 }
 
 fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
-    let state = json_content(&name::<SessionState>(g));
-    let of_session = of_session();
+    let nodes = "Paths of the nodes of the session's scene under which something is drawn, for links.";
+    let edit = "Carry out edits, undos and redos, in order. What is refused of them stands in the results.";
+    let log = "Records in JSON, a line each, as `Record` describes them.";
     vec![
         Operation {
-            path: "/sessions/{session}",
-            id: "getSession",
-            summary: "The session's document, sequence and hash.",
-            answer: state,
+            answer: json_content(&name::<SessionState>(g)),
             has_tag: true,
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, SESSION_CODES],
-            ..of_session.clone()
+            codes: &[SESSION_CODES],
+            ..get("/sessions/{session}", "getSession", "The session's document, sequence and hash.")
         },
         Operation {
-            path: "/sessions/{session}/nodes",
-            id: "getNodes",
-            summary: "Paths of the nodes of the session's scene under which something is drawn, for links.",
             answer: json_content(&name::<SceneNodes>(g)),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, SESSION_CODES],
-            ..of_session.clone()
+            codes: &[SESSION_CODES],
+            ..get("/sessions/{session}/nodes", "getNodes", nodes)
         },
         Operation {
-            path: "/sessions/{session}/edits",
-            method: "post",
-            id: "editSession",
-            summary: "Carry out edits, undos and redos, in order. What is refused of them stands in the results.",
-            body: Some(json_content(&name::<Edits>(g))),
             answer: json_content(&name::<EditResults>(g)),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, SESSION_CODES],
-            ..of_session.clone()
+            codes: &[JSON_CODES, SESSION_CODES],
+            ..post("/sessions/{session}/edits", "editSession", edit, &name::<Edits>(g))
         },
         Operation {
-            path: "/sessions/{session}/log",
-            id: "getLog",
-            summary: "Records in JSON, a line each, as `Record` describes them.",
+            parameters: log_parameters(),
             answer: text("application/jsonl"),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, STORE_CODES, &[Code::NotFound]],
-            ..of_session.clone().with(log_parameters())
+            codes: &[STORE_CODES, &[NotFound]],
+            ..get("/sessions/{session}/log", "getLog", log)
         },
     ]
 }
 
 /// Returns the operations that use a session's pictures without an edit.
 fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
-    let of_session = of_session();
+    let pick = "The point of the scene that a camera has in the middle of its picture.";
+    let drag =
+        "Where drags of shadows, hotspots, highlights and diffuse light would lead, each from the document as it is.";
+    let probe = "Why a pixel is lit or not: what is seen there, and what every light of the document does there.";
+    let picture = json!({"schema": binary()});
     vec![
         Operation {
-            path: "/sessions/{session}/pick",
-            method: "post",
-            id: "pickPoint",
-            summary: "The point of the scene that a camera has in the middle of its picture.",
-            body: Some(json_content(&name::<Pick>(g))),
             answer: json_content(&name::<Picked>(g)),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, SESSION_CODES, &[Code::InvalidCamera]],
-            ..of_session.clone()
+            codes: &[JSON_CODES, SESSION_CODES, &[InvalidCamera]],
+            ..post("/sessions/{session}/pick", "pickPoint", pick, &name::<Pick>(g))
         },
         Operation {
-            path: "/sessions/{session}/drags",
-            method: "post",
-            id: "dragFeatures",
-            summary: "Where drags of shadows, hotspots, highlights and diffuse light would lead, each from the document as it is.",
-            body: Some(json_content(&list_of(&name::<FileDrag>(g)))),
             answer: json_content(&list_of(&name::<Dragged>(g))),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, SESSION_CODES, &[Code::Drag, Code::Ambiguous]],
-            ..of_session.clone()
+            codes: &[JSON_CODES, SESSION_CODES, &[Drag, Ambiguous]],
+            ..post("/sessions/{session}/drags", "dragFeatures", drag, &list_of(&name::<FileDrag>(g)))
         },
         Operation {
-            path: "/sessions/{session}/probe",
-            method: "post",
-            id: "probePixel",
-            summary: "Why a pixel is lit or not: what is seen there, and what every light of the document does there.",
-            body: Some(json_content(&name::<ProbeRequest>(g))),
             answer: json_content(&name::<Probed>(g)),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, SESSION_CODES, &[Code::InvalidCamera]],
-            ..of_session.clone()
+            codes: &[JSON_CODES, SESSION_CODES, &[InvalidCamera]],
+            ..post("/sessions/{session}/probe", "probePixel", probe, &name::<ProbeRequest>(g))
         },
         Operation {
-            path: "/sessions/{session}/render",
-            id: "renderPicture",
-            summary: "A picture of the document.",
-            answer: json!({"image/png": {"schema": binary()}, "image/x-exr": {"schema": binary()}, "application/zip": {"schema": binary()}}),
+            parameters: picture_parameters(),
+            answer: json!({"image/png": picture, "image/x-exr": picture, "application/zip": picture}),
             headers: json!({"x-bendylights-note": {
                 "description": "What the picture lacks of its scene, and why a light is left out; one each.",
                 "schema": {"type": "string"},
             }}),
             has_tag: true,
-            codes: &[
-                ANONYMOUS_CODES,
-                TOKEN_CODES,
-                SESSION_CODES,
-                PICTURE_CODES,
-                SET_CODES,
-                &[Code::InvalidCamera, Code::Ambiguous],
-            ],
-            ..of_session.with(picture_parameters())
+            codes: &[SESSION_CODES, PICTURE_CODES, SET_CODES, &[InvalidCamera, Ambiguous]],
+            ..get("/sessions/{session}/render", "renderPicture", "A picture of the document.")
         },
     ]
 }
@@ -295,107 +239,60 @@ fn of_scenes(g: &mut SchemaGenerator) -> Vec<Operation> {
         "What people call the scene; by default what its file calls it.",
         &json!({"type": "string", "minLength": 1}),
     );
-    let upload = Operation {
-        path: "/assets",
-        method: "post",
-        id: "addAsset",
-        tag: "scenes",
-        summary: "Make a scene known, for `loadScene`: the bytes of a .glb or self-contained .gltf file, whatever the \
-            `Content-Type` says.",
-        body: Some(json!({"application/octet-stream": {"schema": binary()}})),
-        status: 201,
-        answer: json_content(&name::<Asset>(g)),
-        codes: &[ANONYMOUS_CODES, TOKEN_CODES, UPLOAD_CODES],
-        ..Operation::default()
-    };
-    let listed = Operation {
-        path: "/scenes",
-        id: "listScenes",
-        tag: "scenes",
-        summary: "The scenes that come with the server, as `createSession` and `loadScene` take them.",
-        answer: json_content(&name::<DemoScenes>(g)),
-        has_tag: true,
-        codes: &[ANONYMOUS_CODES, TOKEN_CODES],
-        ..Operation::default()
-    };
-    vec![upload.with(vec![name_of_scene]), listed]
+    let upload = "Make a scene known, for `loadScene`: the bytes of a .glb or self-contained .gltf file, whatever the \
+        `Content-Type` says.";
+    let list = "The scenes that come with the server, as `createSession` and `loadScene` take them.";
+    vec![
+        Operation {
+            method: "post",
+            parameters: vec![name_of_scene],
+            body: Some(json!({"application/octet-stream": {"schema": binary()}})),
+            status: 201,
+            answer: json_content(&name::<Asset>(g)),
+            codes: &[UPLOAD_CODES],
+            ..get("/assets", "addAsset", upload)
+        },
+        Operation { answer: json_content(&name::<DemoScenes>(g)), has_tag: true, ..get("/scenes", "listScenes", list) },
+    ]
 }
 
 fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
-    let open = Operation { tag: "service", codes: &[ANONYMOUS_CODES], ..Operation::default() };
+    let parameters = "All that can be set on lights, control points and cameras: a row each.";
+    let readiness = "Whether every pipeline has drawn once; 503 before and while draining.";
     vec![
         Operation {
-            path: "/parameters",
-            id: "getParameters",
-            summary: "All that can be set on lights, control points and cameras: a row each.",
             answer: json_content(&name::<ParameterTable>(g)),
             has_tag: true,
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES],
-            ..open.clone()
+            ..get("/parameters", "getParameters", parameters)
         },
         Operation {
-            path: "/metrics",
-            id: "getMetrics",
-            summary: "Counts, in Prometheus' text format.",
             answer: text("application/openmetrics-text"),
-            codes: &[ANONYMOUS_CODES, TOKEN_CODES],
-            ..open.clone()
+            ..get("/metrics", "getMetrics", "Counts, in Prometheus' text format.")
         },
         Operation {
-            path: "/healthz",
-            id: "getHealth",
-            summary: "Whether the process runs.",
             answer: text("text/plain"),
-            ..open.clone()
+            needs_token: false,
+            ..get("/healthz", "getHealth", "Whether the process runs.")
         },
         Operation {
-            path: "/readyz",
-            id: "getReadiness",
-            summary: "Whether every pipeline has drawn once; 503 before and while draining.",
             answer: text("text/plain"),
-            codes: &[ANONYMOUS_CODES, READINESS_CODES],
-            ..open.clone()
+            needs_token: false,
+            codes: &[READINESS_CODES],
+            ..get("/readyz", "getReadiness", readiness)
         },
         Operation {
-            path: "/openapi.json",
-            id: "getOpenapi",
-            summary: "This document.",
             answer: json_content(&json!({})),
             has_tag: true,
-            ..open
+            needs_token: false,
+            ..get("/openapi.json", "getOpenapi", "This document.")
         },
     ]
 }
 
-impl Default for Operation {
-    /// Returns a GET without refusals.
-    fn default() -> Self {
-        Self {
-            path: "",
-            method: "get",
-            id: "",
-            tag: "",
-            summary: "",
-            parameters: Vec::new(),
-            body: None,
-            status: 200,
-            answer: Value::Null,
-            headers: Value::Null,
-            has_tag: false,
-            codes: &[],
-        }
-    }
-}
-
 impl Operation {
-    /// Adds parameters.
-    fn with(mut self, parameters: Vec<Value>) -> Self {
-        self.parameters.extend(parameters);
-        self
-    }
-
-    fn into_json(self, problem: &Value) -> Value {
-        let codes: BTreeSet<Code> = self.codes.iter().copied().flatten().copied().collect();
+    fn into_json(self, tag: &str, problem: &Value) -> Value {
+        let common = [ANONYMOUS_CODES, if self.needs_token { TOKEN_CODES } else { &[] }];
+        let codes: BTreeSet<Code> = common.iter().chain(self.codes).copied().flatten().copied().collect();
         let mut by_status: BTreeMap<u16, Vec<Code>> = BTreeMap::new();
         for code in &codes {
             by_status.entry(code.http_status()).or_default().push(*code);
@@ -420,15 +317,19 @@ impl Operation {
         }
         let mut json = json!({
             "operationId": self.id,
-            "tags": [self.tag],
+            "tags": [tag],
             "summary": self.summary,
             "responses": responses,
         });
-        if !codes.contains(&Code::Unauthorized) {
+        if !self.needs_token {
             json["security"] = json!([]);
         }
-        if !self.parameters.is_empty() {
-            json["parameters"] = self.parameters.into();
+        let session = json!({"name": "session", "in": "path", "required": true, "schema": {"type": "string"},
+            "description": "Name of the session."});
+        let of_path = self.path.contains("{session}").then_some(session);
+        let parameters: Vec<Value> = of_path.into_iter().chain(self.parameters).collect();
+        if !parameters.is_empty() {
+            json["parameters"] = parameters.into();
         }
         if let Some(content) = self.body {
             json["requestBody"] = json!({"required": true, "content": content});

@@ -64,29 +64,24 @@ pub struct Added {
 impl From<&edit::Record> for Committed {
     fn from(record: &edit::Record) -> Self {
         let action = &record.action;
-        let (mut added, mut dragged, mut outcomes) = (Added::default(), None, Vec::new());
         let commands = action.commands();
-        if !commands.is_empty() {
-            for change in &record.changes {
-                match change {
-                    document::Change::Light { light, old: None, new: Some(_) } => added.lights.push(light.0),
-                    document::Change::Camera { camera, old: None, new: Some(_) } => {
-                        added.cameras.push(camera.0);
-                    }
-                    document::Change::Pin { pin, old: None, new: Some(_) } => added.pins.push(pin.0),
-                    _ => {}
-                }
-            }
-            let ended: Vec<Option<DragOutcome>> =
-                commands.into_iter().map(|(_, outcome)| outcome.map(Into::into)).collect();
-            if matches!(action, edit::Action::Group { .. }) {
-                outcomes = keep_if_any_drag(ended);
-            } else {
-                dragged = ended.into_iter().next().flatten().map(Box::new);
+        let mut added = Added::default();
+        // An object that an undo or redo restores has its old id.
+        for change in record.changes.iter().filter(|_| !commands.is_empty()) {
+            match change {
+                document::Change::Light { light, old: None, new: Some(_) } => added.lights.push(light.0),
+                document::Change::Camera { camera, old: None, new: Some(_) } => added.cameras.push(camera.0),
+                document::Change::Pin { pin, old: None, new: Some(_) } => added.pins.push(pin.0),
+                _ => {}
             }
         }
+        let mut outcomes = commands.into_iter().map(|(_, outcome)| outcome.map(DragOutcome::from));
+        let (outcome, outcomes) = match action {
+            edit::Action::Group { .. } => (None, keep_if_any_drag(outcomes.collect())),
+            _ => (outcomes.next().flatten().map(Box::new), Vec::new()),
+        };
         let (rebased, skipped) = (action.rebased(), action.skipped().to_vec());
-        Self { seq: record.seq, rebased, skipped, added, outcome: dragged, outcomes }
+        Self { seq: record.seq, rebased, skipped, added, outcome, outcomes }
     }
 }
 
@@ -446,7 +441,7 @@ mod tests {
 
     /// The line of a record gives the result without resolving its references.
     #[test]
-    fn what_is_told_of_a_record_is_in_its_line() {
+    fn a_record_line_gives_the_result() {
         let line = |action: &str, changes: &str| {
             let who = r#""timeMs":0,"actor":{"id":"a","name":"A"},"opId":"x""#;
             let text = format!(r#"{{"format":5,"seq":7,{who},"action":{action},"changes":{changes}}}"#);
@@ -500,16 +495,15 @@ mod tests {
             r#","ended":"rejected","code":"storage","message":"the disk""#,
         ];
         for end in states {
-            let text = format!(
-                r#"{{"gesture":"g","client":1,"light":2,"update":3,"liveRevision":4,"changes":[]{end}}}"#
-            );
+            let text =
+                format!(r#"{{"gesture":"g","client":1,"light":2,"update":3,"liveRevision":4,"changes":[]{end}}}"#);
             let state: GestureState = serde_json::from_str(&text).expect(&text);
             assert_eq!(to_string(&state).expect("JSON"), text);
         }
     }
 
     #[test]
-    fn what_is_neither_one_nor_the_other_is_refused() {
+    fn contradictory_results_are_refused() {
         let status = |status| ("status", json!(status));
         let (op, seq, code) = (("opId", json!("a")), ("seq", json!(7)), ("code", json!("locked")));
         let message = ("message", json!("Ada holds it"));

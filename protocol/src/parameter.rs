@@ -3,9 +3,7 @@
 use std::fmt;
 
 use glam::{DQuat, DVec3};
-use light::{
-    MAX_KNOTS, MAX_LINKS, Parameter, ParameterChoice, ParameterKind, ParameterOwner, PeriodicCurve, Value,
-};
+use light::{MAX_KNOTS, MAX_LINKS, Parameter, ParameterChoice, ParameterKind, ParameterOwner, PeriodicCurve, Value};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, DeserializeSeed, MapAccess, Visitor};
 use serde::ser::{SerializeMap, SerializeSeq};
@@ -77,9 +75,7 @@ impl<'de> DeserializeSeed<'de> for ValueSeed {
             ParameterKind::Color | ParameterKind::Vector { .. } => {
                 Value::Vector(DVec3::from(<[f64; 3]>::deserialize(deserializer)?))
             }
-            ParameterKind::Rotation => {
-                Value::Rotation(DQuat::from_array(<[f64; 4]>::deserialize(deserializer)?))
-            }
+            ParameterKind::Rotation => Value::Rotation(DQuat::from_array(<[f64; 4]>::deserialize(deserializer)?)),
             ParameterKind::Text { .. } => Value::Text(String::deserialize(deserializer)?),
             ParameterKind::Choice(choices) => {
                 let word = String::deserialize(deserializer)?;
@@ -109,46 +105,35 @@ impl<'de> DeserializeSeed<'de> for ValueListSeed {
     type Value = Option<Vec<Value>>;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Option<Vec<Value>>, D::Error> {
-        struct Optional(&'static Parameter);
-        impl<'de> Visitor<'de> for Optional {
-            type Value = Option<Vec<Value>>;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a sequence or null")
-            }
-
-            fn visit_none<E: de::Error>(self) -> Result<Self::Value, E> {
-                Ok(None)
-            }
-
-            fn visit_unit<E: de::Error>(self) -> Result<Self::Value, E> {
-                Ok(None)
-            }
-
-            fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
-                deserializer.deserialize_seq(Items(self.0)).map(Some)
-            }
-        }
-        struct Items(&'static Parameter);
-        impl<'de> Visitor<'de> for Items {
-            type Value = Vec<Value>;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a sequence")
-            }
-
-            fn visit_seq<A: de::SeqAccess<'de>>(self, mut items: A) -> Result<Vec<Value>, A::Error> {
-                let mut values = Vec::new();
-                while let Some(value) = items.next_element_seed(ValueSeed(self.0))? {
-                    values.push(value);
-                }
-                Ok(values)
-            }
-        }
         if self.0.default(ParameterOwner::Point).is_some() {
-            return deserializer.deserialize_option(Optional(self.0));
+            return deserializer.deserialize_option(self);
         }
-        deserializer.deserialize_seq(Items(self.0)).map(Some)
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for ValueListSeed {
+    type Value = Option<Vec<Value>>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a sequence")
+    }
+
+    fn visit_unit<E: de::Error>(self) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_none<E: de::Error>(self) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+
+    fn visit_seq<A: de::SeqAccess<'de>>(self, mut items: A) -> Result<Self::Value, A::Error> {
+        let values = std::iter::from_fn(|| items.next_element_seed(ValueSeed(self.0)).transpose());
+        values.collect::<Result<_, _>>().map(Some)
     }
 }
 
@@ -157,11 +142,7 @@ fn names(choices: &[ParameterChoice]) -> impl Iterator<Item = &'static str> {
 }
 
 /// Returns the error for a name that is none of `expected`.
-pub(crate) fn unknown<E: de::Error>(
-    what: &str,
-    word: &str,
-    expected: impl IntoIterator<Item = &'static str>,
-) -> E {
+pub(crate) fn unknown<E: de::Error>(what: &str, word: &str, expected: impl IntoIterator<Item = &'static str>) -> E {
     let expected: Vec<_> = expected.into_iter().map(|name| format!("`{name}`")).collect();
     let expected = match &expected[..] {
         [a, b] => format!("{a} or {b}"),

@@ -7,6 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::conversion::same_variants;
 use crate::parameter::WireValue;
 
 /// Table of all parameters that can be set.
@@ -210,7 +211,7 @@ pub struct ParameterChoice {
     pub label: String,
 }
 
-/// Returns the table of this version.
+/// Returns the table of all parameters of lights, control points and cameras in this version of the program.
 pub fn parameter_table() -> ParameterTable {
     ParameterTable { parameters: document::parameters().map(Parameter::from).collect() }
 }
@@ -237,18 +238,9 @@ impl ParameterOwner {
     }
 }
 
-impl From<light::ParameterOwner> for ParameterOwner {
-    fn from(owner: light::ParameterOwner) -> Self {
-        match owner {
-            light::ParameterOwner::Spot => Self::Spot,
-            light::ParameterOwner::Bendy => Self::Bendy,
-            light::ParameterOwner::Omni => Self::Omni,
-            light::ParameterOwner::Directional => Self::Directional,
-            light::ParameterOwner::Point => Self::Point,
-            light::ParameterOwner::Camera => Self::Camera,
-        }
-    }
-}
+same_variants!(light::ParameterOwner => ParameterOwner { Spot, Bendy, Omni, Directional, Point, Camera });
+same_variants!(light::ParameterTouches => ParameterTouches { Nothing, Weight, Radiance, ShadowMap, Scene });
+same_variants!(light::ParameterScale => ParameterScale { Linear, Logarithmic });
 
 impl From<&light::Parameter> for Parameter {
     fn from(row: &light::Parameter) -> Self {
@@ -257,9 +249,8 @@ impl From<&light::Parameter> for Parameter {
             let default = serde_json::to_value(WireValue(&row.default(of.owner)?)).ok()?;
             Some((ParameterOwner::from(of.owner).name().into(), default))
         };
-        let address = |owner: &ParameterOwner| {
-            (owner.name().into(), format!("{}/{}", owner.address_prefix(), row.name))
-        };
+        let address =
+            |owner: &ParameterOwner| (owner.name().into(), format!("{}/{}", owner.address_prefix(), row.name));
         Self {
             name: row.name.into(),
             address: of.iter().map(address).collect(),
@@ -267,21 +258,10 @@ impl From<&light::Parameter> for Parameter {
             kind: row.kind.into(),
             default: row.owners.iter().filter_map(default).collect(),
             path: row.path.replace('.', "/"),
-            touches: match row.touches() {
-                light::ParameterTouches::Nothing => ParameterTouches::Nothing,
-                light::ParameterTouches::Weight => ParameterTouches::Weight,
-                light::ParameterTouches::Radiance => ParameterTouches::Radiance,
-                light::ParameterTouches::ShadowMap => ParameterTouches::ShadowMap,
-                light::ParameterTouches::Scene => ParameterTouches::Scene,
-            },
+            touches: row.touches().into(),
             animates: row.animates,
             needs: row.needs.map(Into::into),
-            idle_of: row
-                .owners
-                .iter()
-                .filter(|of| row.has_no_effect_on(of.owner))
-                .map(|of| of.owner.into())
-                .collect(),
+            idle_of: row.owners.iter().filter(|of| row.has_no_effect_on(of.owner)).map(|of| of.owner.into()).collect(),
             group: row.group.into(),
             label: row.label.into(),
             doc: row.doc.into(),
@@ -292,8 +272,7 @@ impl From<&light::Parameter> for Parameter {
 impl From<light::ParameterNeeds> for ParameterNeeds {
     fn from(light::ParameterNeeds { parameter, value }: light::ParameterNeeds) -> Self {
         let written = |values: &[light::Value<&'static str>]| {
-            let json =
-                |value: &light::Value<&'static str>| serde_json::to_value(WireValue(&value.to_value()));
+            let json = |value: &light::Value<&'static str>| serde_json::to_value(WireValue(&value.to_value()));
             values.iter().filter_map(|value| json(value).ok()).collect()
         };
         let value = match value {
@@ -318,10 +297,7 @@ impl From<light::ParameterKind> for ParameterKind {
                     exclusive_max: excluded(number.max),
                     slider: number.slider,
                     step: number.step,
-                    scale: match number.scale {
-                        light::ParameterScale::Linear => ParameterScale::Linear,
-                        light::ParameterScale::Logarithmic => ParameterScale::Logarithmic,
-                    },
+                    scale: number.scale.into(),
                     none: number.absent.map(Into::into),
                 }
             }

@@ -19,9 +19,8 @@ pub struct WrittenPoint {
 pub fn parse(text: &str) -> Result<Vec<WrittenPoint>, FileError> {
     let points: Vec<[f64; 3]> = from_json(text)?;
     let written: Vec<[&RawValue; 3]> = serde_json::from_str(text).map_err(FileError::Syntax)?;
-    let last_digit = |texts: [&RawValue; 3]| {
-        texts.map(|text| last_digit(text.get())).into_iter().fold(f64::INFINITY, f64::min)
-    };
+    let last_digit =
+        |texts: [&RawValue; 3]| texts.map(|text| last_digit(text.get())).into_iter().fold(f64::INFINITY, f64::min);
     let points = points.into_iter().zip(written);
     Ok(points
         .map(|(point, written)| WrittenPoint { position: point.into(), last_digit: last_digit(written) })

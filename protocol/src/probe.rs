@@ -6,6 +6,7 @@ use scene::PosedScene;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::conversion::same_variants;
 use crate::{Camera, Problem, Vec3};
 
 /// Body of `POST /sessions/S/probe`.
@@ -174,11 +175,7 @@ pub struct ProbedPlace {
 impl Probed {
     /// Converts the result of a probe in a scene. `highlight` returns the centre of a light's highlight in
     /// pixels.
-    pub fn new(
-        probe: &Probe,
-        posed: &PosedScene,
-        highlight: impl Fn(&LightProbe) -> Option<[f64; 2]>,
-    ) -> Self {
+    pub fn new(probe: &Probe, posed: &PosedScene, highlight: impl Fn(&LightProbe) -> Option<[f64; 2]>) -> Self {
         let seen = probe.seen.map(|seen| ProbedSurface {
             node: posed.node_tree().path(seen.node),
             material: Some(posed.scene.materials[seen.material].name.clone()).filter(|name| !name.is_empty()),
@@ -189,11 +186,7 @@ impl Probed {
         });
         Self {
             seen,
-            lights: probe
-                .lights
-                .iter()
-                .map(|light| ProbedLight::new(light, posed, highlight(light)))
-                .collect(),
+            lights: probe.lights.iter().map(|light| ProbedLight::new(light, posed, highlight(light))).collect(),
         }
     }
 }
@@ -237,26 +230,5 @@ fn finite(color: DVec3) -> Vec3 {
     color.min(DVec3::MAX).to_array()
 }
 
-impl From<LightState> for ProbeState {
-    fn from(state: LightState) -> Self {
-        match state {
-            LightState::Lit => Self::Lit,
-            LightState::Disabled(_) => Self::Disabled,
-            LightState::Unlinked => Self::Unlinked,
-            LightState::Outside => Self::Outside,
-            LightState::Faded => Self::Faded,
-            LightState::FacingAway => Self::FacingAway,
-            LightState::Shadowed(_) => Self::Shadowed,
-        }
-    }
-}
-
-impl From<DisabledBy> for ProbeDisabledBy {
-    fn from(by: DisabledBy) -> Self {
-        match by {
-            DisabledBy::Muted => Self::Muted,
-            DisabledBy::Off => Self::Off,
-            DisabledBy::Dark => Self::Dark,
-        }
-    }
-}
+same_variants!(LightState => ProbeState { Lit, Unlinked, Outside, Faded, FacingAway; Disabled, Shadowed });
+same_variants!(DisabledBy => ProbeDisabledBy { Muted, Off, Dark });

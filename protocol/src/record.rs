@@ -7,12 +7,13 @@ use light::{ControlPoint, LightError, LightId, ParameterOwner, Setting};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::conversion::same_variants;
 use crate::error::{check_format, from_json};
 use crate::format::FORMAT;
 use crate::vector::Vec3;
 use crate::{
-    Camera, CameraParameter, Command, DragOutcome, FileError, Light, LightParameter, Pin, PointParameter,
-    Refused, SceneRef,
+    Camera, CameraParameter, Command, DragOutcome, FileError, Light, LightParameter, Pin, PointParameter, Refused,
+    SceneRef,
 };
 
 /// Maximum bytes of a record's JSON in full. A record that replaces a document at its limits (256 lights of 258
@@ -174,9 +175,7 @@ impl Record {
             Command::SetLight { parameter, .. } => {
                 name_missing_in_format_2(&[ParameterOwner::Spot, ParameterOwner::Bendy], &parameter.0)
             }
-            Command::SetPoint { parameter, .. } => {
-                name_missing_in_format_2(&[ParameterOwner::Point], &parameter.0)
-            }
+            Command::SetPoint { parameter, .. } => name_missing_in_format_2(&[ParameterOwner::Point], &parameter.0),
             _ => None,
         };
         let commanded = match &self.action {
@@ -250,21 +249,18 @@ impl TryFrom<ControlPoints> for document::ControlPoints {
 
     fn try_from(wire: ControlPoints) -> Result<Self, Refused> {
         let ControlPoints { layout, points, radii, colors, intensities } = wire;
-        for (field, count) in
-            [("radii", radii.len()), ("colors", colors.len()), ("intensities", intensities.len())]
-        {
+        for (field, count) in [("radii", radii.len()), ("colors", colors.len()), ("intensities", intensities.len())] {
             if count != points.len() {
                 return Err(LightError::LengthMismatch { field, count, points: points.len() }.into());
             }
         }
-        let values = points.into_iter().zip(radii).zip(colors).zip(intensities);
-        let point = |(((position, radius), color), intensity): (((Vec3, f64), Vec3), f64)| ControlPoint {
-            position: position.into(),
-            radius,
-            color: color.into(),
-            intensity,
+        let point = |i: usize| ControlPoint {
+            position: points[i].into(),
+            radius: radii[i],
+            color: colors[i].into(),
+            intensity: intensities[i],
         };
-        Ok(Self { layout: PointNumbering(layout), points: values.map(point).collect() })
+        Ok(Self { layout: PointNumbering(layout), points: (0..points.len()).map(point).collect() })
     }
 }
 
@@ -277,18 +273,18 @@ fn of_one(old: impl Into<Setting>, new: impl Into<Setting>) -> Result<(Setting, 
     Err(EditError::Conflict(format!("{} into {}", old.parameter.name, new.parameter.name)).into())
 }
 
+fn converted<T, W: for<'a> From<&'a T>>(value: Option<T>) -> Option<W> {
+    value.map(|value| (&value).into())
+}
+
 impl From<&document::Change> for Change {
     fn from(change: &document::Change) -> Self {
         use document::Change as C;
         match change.clone() {
-            C::Scene { old, new } => {
-                Self::Scene { old: old.as_ref().map(Into::into), new: new.as_ref().map(Into::into) }
+            C::Scene { old, new } => Self::Scene { old: converted(old), new: converted(new) },
+            C::Light { light, old, new } => {
+                Self::Light { light: light.0, old: converted(old).map(Box::new), new: converted(new).map(Box::new) }
             }
-            C::Light { light, old, new } => Self::Light {
-                light: light.0,
-                old: old.as_ref().map(|p| Box::new(p.into())),
-                new: new.as_ref().map(|p| Box::new(p.into())),
-            },
             C::LightParameter { light, parameter, old, new } => {
                 let [old, new] = [old, new].map(|value| Setting { parameter, value }.into());
                 Self::LightParameter { light: light.0, old, new }
@@ -300,14 +296,10 @@ impl From<&document::Change> for Change {
             C::ControlPoints { light, old, new } => {
                 Self::ControlPoints { light: light.0, old: old.into(), new: new.into() }
             }
-            C::Camera { camera, old, new } => Self::Camera {
-                camera: camera.0,
-                old: old.as_ref().map(Into::into),
-                new: new.as_ref().map(Into::into),
-            },
-            C::Pin { pin, old, new } => {
-                Self::Pin { pin: pin.0, old: old.as_ref().map(Into::into), new: new.as_ref().map(Into::into) }
+            C::Camera { camera, old, new } => {
+                Self::Camera { camera: camera.0, old: converted(old), new: converted(new) }
             }
+            C::Pin { pin, old, new } => Self::Pin { pin: pin.0, old: converted(old), new: converted(new) },
             C::CameraParameter { camera, old, new } => {
                 Self::CameraParameter { camera: camera.0, old: old.into(), new: new.into() }
             }
@@ -320,30 +312,20 @@ impl TryFrom<Change> for document::Change {
 
     fn try_from(wire: Change) -> Result<Self, Refused> {
         let scene = |scene: Option<SceneRef>| scene.map(document::SceneRef::try_from).transpose();
-        let placed = |placed: Option<Box<PlacedLight>>| {
-            placed.map(|p| document::NumberedLight::try_from(*p)).transpose()
-        };
+        let placed =
+            |placed: Option<Box<PlacedLight>>| placed.map(|p| document::NumberedLight::try_from(*p)).transpose();
         Ok(match wire {
             Change::Scene { old, new } => Self::Scene { old: scene(old)?, new: scene(new)? },
             Change::Light { light, old, new } => {
                 Self::Light { light: LightId(light), old: placed(old)?, new: placed(new)? }
             }
             Change::LightParameter { light, old, new } => {
-                let (old, new) = of_one(old, new)?;
-                let (parameter, old, new) = (new.parameter, old.value, new.value);
+                let (Setting { value: old, .. }, Setting { parameter, value: new }) = of_one(old, new)?;
                 Self::LightParameter { light: LightId(light), parameter, old, new }
             }
             Change::Point { light, layout, point, old, new } => {
-                let (old, new) = of_one(old, new)?;
-                let (parameter, old, new) = (new.parameter, old.value, new.value);
-                Self::Point {
-                    light: LightId(light),
-                    layout: PointNumbering(layout),
-                    point,
-                    parameter,
-                    old,
-                    new,
-                }
+                let (Setting { value: old, .. }, Setting { parameter, value: new }) = of_one(old, new)?;
+                Self::Point { light: LightId(light), layout: PointNumbering(layout), point, parameter, old, new }
             }
             Change::ControlPoints { light, old, new } => {
                 Self::ControlPoints { light: LightId(light), old: old.try_into()?, new: new.try_into()? }
@@ -373,27 +355,7 @@ impl From<Actor> for edit::Actor {
     }
 }
 
-impl From<Scope> for edit::UndoScope {
-    fn from(wire: Scope) -> Self {
-        match wire {
-            Scope::Mine => Self::Mine,
-            Scope::Session => Self::Session,
-        }
-    }
-}
-
-impl From<edit::UndoScope> for Scope {
-    fn from(scope: edit::UndoScope) -> Self {
-        match scope {
-            edit::UndoScope::Mine => Self::Mine,
-            edit::UndoScope::Session => Self::Session,
-        }
-    }
-}
-
-fn from_outcome(outcome: Option<Box<document::DragOutcome>>) -> Option<Box<DragOutcome>> {
-    outcome.map(|outcome| Box::new((&*outcome).into()))
-}
+same_variants!(Scope = edit::UndoScope { Mine, Session });
 
 fn to_outcome(wire: Option<Box<DragOutcome>>) -> Result<Option<Box<document::DragOutcome>>, Refused> {
     wire.map(|wire| (*wire).try_into().map(Box::new).map_err(Refused::Outcome)).transpose()
@@ -401,26 +363,23 @@ fn to_outcome(wire: Option<Box<DragOutcome>>) -> Result<Option<Box<document::Dra
 
 impl From<&edit::Record> for Record {
     fn from(record: &edit::Record) -> Self {
+        let boxed = |outcome: Option<Box<_>>| outcome.map(|outcome| Box::new(DragOutcome::from(&*outcome)));
         let action = match record.action.clone() {
             edit::Action::Edit { command, rebased, outcome } => {
-                Action::Edit { command: (&command).into(), rebased, outcome: from_outcome(outcome) }
+                Action::Edit { command: (&command).into(), rebased, outcome: boxed(outcome) }
             }
             edit::Action::Gesture { command, rebased, outcome } => {
-                Action::Gesture { command: (&command).into(), rebased, outcome: from_outcome(outcome) }
+                Action::Gesture { command: (&command).into(), rebased, outcome: boxed(outcome) }
             }
             edit::Action::Group { edits, rebased } => {
-                let recorded = |edit: edit::RecordedCommand| {
-                    let edit::RecordedCommand { command, outcome } = edit;
-                    RecordedCommand { command: (&command).into(), outcome: from_outcome(outcome) }
+                let recorded = |edit: edit::RecordedCommand| RecordedCommand {
+                    command: (&edit.command).into(),
+                    outcome: boxed(edit.outcome),
                 };
                 Action::Group { edits: edits.into_iter().map(recorded).collect(), rebased }
             }
-            edit::Action::Undo { scope, target, skipped } => {
-                Action::Undo { scope: scope.into(), target, skipped }
-            }
-            edit::Action::Redo { scope, target, skipped } => {
-                Action::Redo { scope: scope.into(), target, skipped }
-            }
+            edit::Action::Undo { scope, target, skipped } => Action::Undo { scope: scope.into(), target, skipped },
+            edit::Action::Redo { scope, target, skipped } => Action::Redo { scope: scope.into(), target, skipped },
         };
         Self {
             format: FORMAT,
@@ -457,12 +416,8 @@ impl TryFrom<Record> for edit::Record {
                 let edits = edits.into_iter().map(recorded).collect::<Result<_, _>>()?;
                 edit::Action::Group { edits, rebased }
             }
-            Action::Undo { scope, target, skipped } => {
-                edit::Action::Undo { scope: scope.into(), target, skipped }
-            }
-            Action::Redo { scope, target, skipped } => {
-                edit::Action::Redo { scope: scope.into(), target, skipped }
-            }
+            Action::Undo { scope, target, skipped } => edit::Action::Undo { scope: scope.into(), target, skipped },
+            Action::Redo { scope, target, skipped } => edit::Action::Redo { scope: scope.into(), target, skipped },
         };
         Ok(Self {
             seq: wire.seq,

@@ -9,7 +9,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::ErrorCode;
-use crate::error::excerpt;
+use crate::error::{excerpt, from_json};
 
 /// Limits of a requested picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,16 +123,9 @@ impl Aovs {
     pub fn each(&self) -> &[Aov] {
         match self {
             Self::Listed(aovs) => aovs,
-            Self::All => &[
-                Aov::Beauty,
-                Aov::Depth,
-                Aov::Normal,
-                Aov::Position,
-                Aov::T,
-                Aov::Vw,
-                Aov::Direction,
-                Aov::Visibility,
-            ],
+            Self::All => {
+                &[Aov::Beauty, Aov::Depth, Aov::Normal, Aov::Position, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility]
+            }
         }
     }
 
@@ -146,11 +139,7 @@ impl Aovs {
 impl RenderRequest {
     /// Returns the factor of the fill light, or an error if it is out of range.
     pub fn check_fill(factor: f64) -> Result<f64, RenderRefusal> {
-        if View::FILL_RANGE.contains(&factor) {
-            Ok(factor)
-        } else {
-            Err(RenderRefusal::Fill(factor.to_string()))
-        }
+        if View::FILL_RANGE.contains(&factor) { Ok(factor) } else { Err(RenderRefusal::Fill(factor.to_string())) }
     }
 
     /// Parses and checks the factor of the fill light.
@@ -161,11 +150,7 @@ impl RenderRequest {
 
     /// Returns the exposure in stops, or an error if it is out of range.
     pub fn check_exposure(stops: f64) -> Result<f64, RenderRefusal> {
-        if View::EXPOSURE_RANGE.contains(&stops) {
-            Ok(stops)
-        } else {
-            Err(RenderRefusal::Exposure(stops.to_string()))
-        }
+        if View::EXPOSURE_RANGE.contains(&stops) { Ok(stops) } else { Err(RenderRefusal::Exposure(stops.to_string())) }
     }
 
     /// Parses and checks the exposure in stops.
@@ -305,11 +290,8 @@ fn choose_camera(text: &str) -> Result<CameraChoice, RenderRefusal> {
 }
 
 /// Parses the JSON of parameter `what`.
-fn json_parameter<T: serde::de::DeserializeOwned>(
-    what: &'static str,
-    text: &str,
-) -> Result<T, RenderRefusal> {
-    crate::parse_body(text).map_err(|why| RenderRefusal::Json { what, why: why.to_string() })
+fn json_parameter<T: serde::de::DeserializeOwned>(what: &'static str, text: &str) -> Result<T, RenderRefusal> {
+    from_json(text).map_err(|why| RenderRefusal::Json { what, why: why.to_string() })
 }
 
 /// Error of a requested picture.
@@ -348,9 +330,7 @@ pub enum RenderRefusal {
     #[error("the exposure is `{0}`: give a number of stops from {start} to {end}", start = View::EXPOSURE_RANGE.start(), end = View::EXPOSURE_RANGE.end())]
     Exposure(String),
     /// A light is given, but no requested AOV belongs to a light.
-    #[error(
-        "{0} is not of one light: leave `light` out, or ask for t, vw, direction, visibility or wireframe"
-    )]
+    #[error("{0} is not of one light: leave `light` out, or ask for t, vw, direction, visibility or wireframe")]
     OfNoLight(String),
     /// A wireframe is requested beside other AOVs.
     #[error("a wireframe is the light's view and not the camera's: ask for it alone")]
@@ -424,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_out_has_its_default() {
+    fn parameters_left_out_have_their_defaults() {
         assert_eq!(RenderParameters::default().request(), Ok(RenderRequest::default()));
     }
 }

@@ -5,8 +5,8 @@ use serde_json::{Map, Value, json};
 
 use crate::variants::name_variants;
 use crate::{
-    ClientMessage, DemoScenes, LogHeader, PROTOCOL, ParameterTable, Record, SceneNodes, ServerMessage,
-    SessionList, TraceLine,
+    ClientMessage, DemoScenes, LogHeader, PROTOCOL, ParameterTable, Record, SceneNodes, ServerMessage, SessionList,
+    TraceLine,
 };
 
 /// Side that a schema is for: input to the server, or output from it.
@@ -19,10 +19,11 @@ pub enum SchemaSide {
 }
 
 /// Returns the JSON Schema (draft 2020-12) of every message, log line and table of the protocol, under `$defs`.
-pub fn json_schema(face: SchemaSide) -> Value {
-    let mut generator = generator(face, "/$defs");
-    let messages = [name::<ClientMessage>(&mut generator), name::<ServerMessage>(&mut generator)];
-    let lines = [
+pub fn json_schema(side: SchemaSide) -> Value {
+    let mut generator = generator(side, "/$defs");
+    let any_of = [
+        name::<ClientMessage>(&mut generator),
+        name::<ServerMessage>(&mut generator),
         name::<LogHeader>(&mut generator),
         name::<Record>(&mut generator),
         name::<crate::CheckpointLine>(&mut generator),
@@ -36,30 +37,30 @@ pub fn json_schema(face: SchemaSide) -> Value {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": format!("BendyLights protocol {PROTOCOL}"),
         "description": "Messages of the socket, lines of a log file, the table of parameters, the nodes of a scene, lists of sessions and of scenes, and lines of a trace; SPEC.md says what they mean.",
-        "anyOf": messages.into_iter().chain(lines).collect::<Vec<_>>(),
+        "anyOf": any_of,
         "$defs": definitions(generator, "#/$defs"),
     })
 }
 
-/// Takes the definitions out of `generator`. Every variant of a union becomes a named definition. `place` is
+/// Takes the definitions out of `generator`. Every variant of a union becomes a named definition. `pointer` is
 /// the JSON pointer under which the caller puts them.
-pub(crate) fn definitions(mut generator: SchemaGenerator, place: &str) -> Map<String, Value> {
+pub(crate) fn definitions(mut generator: SchemaGenerator, pointer: &str) -> Map<String, Value> {
     let mut definitions = generator.take_definitions(true);
     definitions.values_mut().for_each(simplify);
-    name_variants(&mut definitions, place);
+    name_variants(&mut definitions, pointer);
     definitions
 }
 
-pub(crate) fn generator(face: SchemaSide, definitions: &'static str) -> SchemaGenerator {
-    let contract = match face {
+pub(crate) fn generator(side: SchemaSide, definitions: &'static str) -> SchemaGenerator {
+    let contract = match side {
         SchemaSide::Read => Contract::Deserialize,
         SchemaSide::Written => Contract::Serialize,
     };
-    let place = |settings: &mut SchemaSettings| {
+    let configure = |settings: &mut SchemaSettings| {
         settings.definitions_path = definitions.into();
         settings.contract = contract;
     };
-    SchemaSettings::draft2020_12().with(place).into_generator()
+    SchemaSettings::draft2020_12().with(configure).into_generator()
 }
 
 /// Returns a reference to `T`, and makes the generator define it.

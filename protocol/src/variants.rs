@@ -23,8 +23,8 @@ const UNIONS: &[(&str, [&str; 2])] = &[
 ];
 
 /// Gives each variant of each union a definition, and each union that `type` discriminates a discriminator.
-/// `place` is the JSON pointer of the definitions.
-pub fn name_variants(definitions: &mut Map<String, Value>, place: &str) {
+/// `pointer` is the JSON pointer of the definitions.
+pub fn name_variants(definitions: &mut Map<String, Value>, pointer: &str) {
     for (union, affixes) in UNIONS {
         let Some(mut definition) = definitions.remove(*union) else { continue };
         let Some(variants) = variants_of(&mut definition) else { continue };
@@ -32,7 +32,7 @@ pub fn name_variants(definitions: &mut Map<String, Value>, place: &str) {
         for variant in variants {
             let reference = match variant.get("$ref").filter(|_| tag(&variant).is_none()) {
                 Some(reference) => reference.clone(),
-                None => define(definitions, variant, *affixes, place),
+                None => define(definitions, variant, *affixes, pointer),
             };
             let name = reference.as_str().and_then(|text| text.rsplit('/').next()).unwrap_or_default();
             if let Some(tag) = definitions.get(name).and_then(tag) {
@@ -64,12 +64,12 @@ fn define(
     definitions: &mut Map<String, Value>,
     mut variant: Value,
     [before, after]: [&str; 2],
-    place: &str,
+    pointer: &str,
 ) -> Value {
     let mut define = |name: &str, definition: Value| {
         let clash = definitions.insert(name.to_owned(), definition);
         assert!(clash.is_none(), "two definitions are called {name}");
-        json!(format!("{place}/{name}"))
+        json!(format!("{pointer}/{name}"))
     };
     let own = if let Some(tag) = tag(&variant) {
         pascal_case(tag)

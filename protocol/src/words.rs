@@ -6,9 +6,7 @@
 /// that an enumeration accepts. A message of no known form passes through unchanged.
 pub(crate) fn json_wording(said: &str) -> String {
     let translated = |text: &str| -> Option<String> {
-        if let Some(rest) =
-            text.strip_prefix("invalid type: ").or_else(|| text.strip_prefix("invalid value: "))
-        {
+        if let Some(rest) = text.strip_prefix("invalid type: ").or_else(|| text.strip_prefix("invalid value: ")) {
             let (found, expected) = rest.rsplit_once(", expected ")?;
             return Some(format!("is {}, where {} should be", value(found), kind(expected)));
         }
@@ -27,18 +25,14 @@ pub(crate) fn json_wording(said: &str) -> String {
                 Some((field, known)) => {
                     format!("there is no field {field}, only {}", known.trim_start_matches("one of "))
                 }
-                None => format!(
-                    "there is no field {}",
-                    rest.split_once(", there are").map_or(rest, |(field, _)| field)
-                ),
+                None => {
+                    format!("there is no field {}", rest.split_once(", there are").map_or(rest, |(field, _)| field))
+                }
             });
         }
         if let Some(rest) = text.strip_prefix("unknown parameter ") {
             let (name, known) = rest.split_once(", expected ")?;
-            return Some(format!(
-                "there is no parameter {name}, only {}",
-                known.trim_start_matches("one of ")
-            ));
+            return Some(format!("there is no parameter {name}, only {}", known.trim_start_matches("one of ")));
         }
         let (word, known) = text.strip_prefix("unknown variant ")?.split_once(", expected ")?;
         Some(format!("{word} is not {known}"))
@@ -48,10 +42,10 @@ pub(crate) fn json_wording(said: &str) -> String {
 
 /// Translates a message of `serde_json` about text that is not JSON.
 pub(crate) fn syntax_error_wording(said: &str) -> String {
-    let (what, place) = said.split_once(" at line ").map_or((said, String::new()), |(what, place)| {
-        (what, format!(" (line {})", place.replace(" column ", ", character ")))
+    let (problem, position) = said.split_once(" at line ").map_or((said, String::new()), |(problem, position)| {
+        (problem, format!(" (line {})", position.replace(" column ", ", character ")))
     });
-    let what = match what {
+    let problem = match problem {
         "EOF while parsing a value" => "it ends where a value should begin",
         "EOF while parsing an object" | "EOF while parsing a list" | "EOF while parsing a string" => {
             "it ends before what began is closed"
@@ -67,16 +61,16 @@ pub(crate) fn syntax_error_wording(said: &str) -> String {
         "control character (\\u0000-\\u001F) found while parsing a string" => {
             "a text holds a line end or another control character; write \\n"
         }
-        "lone leading surrogate in hex escape"
-        | "unexpected end of hex escape"
-        | "invalid unicode code point" => "a \\u in a text is no character",
+        "lone leading surrogate in hex escape" | "unexpected end of hex escape" | "invalid unicode code point" => {
+            "a \\u in a text is no character"
+        }
         "invalid escape" => "a text has a backslash before what needs none",
         other => match other.strip_prefix("expected ") {
-            Some(wanted) => return format!("there is no {wanted} where one should be{place}"),
+            Some(expected) => return format!("there is no {expected} where one should be{position}"),
             None => other,
         },
     };
-    format!("{what}{place}")
+    format!("{problem}{position}")
 }
 
 /// Describes a value that serde found: a string with its text, a number without its backticks, an object as "an
@@ -103,9 +97,6 @@ fn value(found: &str) -> String {
 fn kind(expected: &str) -> String {
     if let Some(count) = expected.strip_prefix("an array of length ") {
         return format!("an array of {count}");
-    }
-    if let Some(or_null) = expected.strip_suffix(" or null") {
-        return format!("{} or null", kind(or_null));
     }
     match expected {
         "f64" | "a number" => "a number",
@@ -135,26 +126,17 @@ mod tests {
             ("invalid type: string \"a\", expected f64", "is the text \"a\", where a number should be"),
             ("invalid type: map, expected a sequence", "is an object, where an array should be"),
             ("invalid type: null, expected struct Light", "is null, where an object should be"),
-            (
-                "invalid value: integer `-1`, expected u64",
-                "is the number -1, where a whole number from 0 up should be",
-            ),
+            ("invalid value: integer `-1`, expected u64", "is the number -1, where a whole number from 0 up should be"),
             (
                 "invalid type: floating point `1.5`, expected usize",
                 "is the number 1.5, where a whole number from 0 up should be",
             ),
-            (
-                "invalid length 2, expected an array of length 3",
-                "has 2 values, where an array of 3 should be",
-            ),
+            ("invalid length 2, expected an array of length 3", "has 2 values, where an array of 3 should be"),
             ("missing field `points`", "the field `points` is missing"),
             ("duplicate field `name`", "the field `name` is there twice"),
             ("unknown field `gobo`, expected one of `a`, `b`", "there is no field `gobo`, only `a`, `b`"),
             ("unknown field `gobo`, there are no fields", "there is no field `gobo`"),
-            (
-                "unknown variant `laser`, expected one of `spot`, `omni`",
-                "`laser` is not one of `spot`, `omni`",
-            ),
+            ("unknown variant `laser`, expected one of `spot`, `omni`", "`laser` is not one of `spot`, `omni`"),
             ("unknown variant `laser`, expected `spot` or `omni`", "`laser` is not `spot` or `omni`"),
             ("a sentence of ours", "a sentence of ours"),
         ] {

@@ -2,24 +2,22 @@
 
 use std::collections::BTreeSet;
 
-use crate::sources::{Source, sources};
+use crate::sources::{Source, sources, words};
 
-const KINDS: &[&str] =
-    &["fn ", "const fn ", "struct ", "enum ", "trait ", "type ", "const ", "static ", "union "];
+const KINDS: &[&str] = &["fn ", "const fn ", "struct ", "enum ", "trait ", "type ", "const ", "static ", "union "];
 
 /// The name of the public item that a line begins, if it begins one.
 fn public_item(line: &str) -> Option<&str> {
     let rest = line.strip_prefix("pub ")?;
     let kind = KINDS.iter().find(|kind| rest.starts_with(**kind))?;
-    rest[kind.len()..].split(|c: char| !c.is_alphanumeric() && c != '_').next()
+    words(&rest[kind.len()..]).next()
 }
 
 /// Words of a crate's `pub use`, and its public modules.
 fn given(root: &str) -> (BTreeSet<&str>, BTreeSet<&str>) {
     let uses = root.split("pub use ").skip(1).filter_map(|rest| rest.split(';').next());
-    let words = uses.flat_map(|tree| tree.split(|c: char| !c.is_alphanumeric() && c != '_'));
     let modules = root.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
-    (words.filter(|word| !word.is_empty()).collect(), modules.collect())
+    (uses.flat_map(words).collect(), modules.collect())
 }
 
 /// Public items of a crate without a comment: those that its root gives on, and those of its public modules.
@@ -32,10 +30,8 @@ fn undocumented(root: &str, files: &[&Source]) -> Vec<String> {
         let lines: Vec<&str> = source.text.lines().collect();
         for (index, line) in lines.iter().enumerate() {
             let Some(name) = public_item(line) else { continue };
-            let above = lines[..index]
-                .iter()
-                .rev()
-                .find(|line| !line.starts_with([' ', ')']) && !line.starts_with("#["));
+            let above =
+                lines[..index].iter().rev().find(|line| !line.starts_with([' ', ')']) && !line.starts_with("#["));
             let is_documented = above.is_some_and(|line| line.starts_with("///"));
             if (in_public_module || names.contains(name)) && !is_documented {
                 found.push(format!("{}: {name}", source.path));
@@ -46,7 +42,7 @@ fn undocumented(root: &str, files: &[&Source]) -> Vec<String> {
 }
 
 #[test]
-fn what_crates_give_on_is_documented() {
+fn public_items_of_crates_are_documented() {
     let sources = sources(&["crates", "protocol/src"], &["rs"]);
     let mut crates = 0;
     for root in sources.iter().filter(|source| source.path.ends_with("/src/lib.rs")) {
@@ -59,7 +55,8 @@ fn what_crates_give_on_is_documented() {
     assert!(crates >= 17, "{crates} crates");
     let planted = Source {
         path: "crates/a/src/b.rs".into(),
-        text: "/// Told.\n#[derive(Debug)]\npub struct A {\n    pub x: u8,\n}\n\npub fn bare() {}\npub fn hidden() {}".into(),
+        text: "/// Told.\n#[derive(Debug)]\npub struct A {\n    pub x: u8,\n}\n\npub fn bare() {}\npub fn hidden() {}"
+            .into(),
     };
     assert_eq!(undocumented("pub use b::{A, bare};", &[&planted]), ["crates/a/src/b.rs: bare"]);
 }

@@ -41,7 +41,7 @@ fn faults(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn what_is_ignored_says_what_it_needs_and_make_test_runs_it() {
+fn ignored_tests_state_their_needs_and_make_test_runs_them() {
     let (mut ignored, mut faulty) = (0, Vec::new());
     for source in sources(&["crates", "protocol", "tests"], &["rs"]) {
         ignored += source.text.lines().filter(|line| line.trim().starts_with("#[ignore")).count();
@@ -50,8 +50,7 @@ fn what_is_ignored_says_what_it_needs_and_make_test_runs_it() {
     assert!(ignored > 20, "{ignored} are ignored");
     assert_eq!(faulty, [""; 0]);
     let makefile = include_str!("../../Makefile");
-    let ignored =
-        makefile.lines().find(|line| line.contains("cargo test") && line.contains("--include-ignored"));
+    let ignored = makefile.lines().find(|line| line.contains("cargo test") && line.contains("--include-ignored"));
     let ignored = ignored.expect("make test runs what is ignored");
     assert!(ignored.contains("--workspace") && ignored.contains("--skip child_that_ "), "{ignored}");
 

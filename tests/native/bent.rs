@@ -1,27 +1,21 @@
 //! BendyLights: every parameter, filter, number of segments and kind of map.
 
-use std::path::PathBuf;
-
 use assets::LoadedScene;
 use glam::DVec3;
 use light::parameters::{
-    CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, CUT_ON, DECAY, DIFFUSE, DIRECTION, END_MODE, FAR_EDGE,
-    FRAME, LIGHT_LINK, NEAR_EDGE, PROFILE, PROFILE_POWER, RADIAL_FALLOFF, SECTION_HEIGHT, SECTION_ROUNDNESS,
-    SECTION_WIDTH, SHADOW_COLOR, SHADOW_ENABLE, SHADOW_LINK, SPECULAR, TRANSLATION,
+    CONE_ANGLE, CONE_SOFTNESS, CUT_OFF, CUT_ON, DECAY, DIFFUSE, DIRECTION, END_MODE, FAR_EDGE, FRAME, LIGHT_LINK,
+    NEAR_EDGE, PROFILE, PROFILE_POWER, RADIAL_FALLOFF, SHADOW_COLOR, SHADOW_ENABLE, SHADOW_LINK, SPECULAR, TRANSLATION,
 };
-use light::{
-    CrossSection, Decay, DirectionMode, EndMode, FrameMode, Light, Links, PeriodicCurve, ProfileCurve,
-};
+use light::{Decay, DirectionMode, EndMode, FrameMode, Light, Links, PeriodicCurve, ProfileCurve};
 use render::{ShadowFilter, ShadowSettings};
 
-use super::both::{ViewedScene, assert_the_same, compared, demo, differing_pixels};
+use super::both::{ViewedScene, assert_same_and_visible, assert_the_same, compared, demo, with_superellipse};
+use crate::pictures::shared_asset;
 
 fn through<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
     let points = points.map(DVec3::from_array);
     let from_source = points.iter().map(|point| *point - points[0]).collect();
-    Light::bendy(from_source, radii.to_vec())
-        .with(TRANSLATION, points[0])
-        .map_points(|_, point| point.intensity = 4.0)
+    Light::bendy(from_source, radii.to_vec()).with(TRANSLATION, points[0]).map_points(|_, point| point.intensity = 4.0)
 }
 
 /// The demo's light with its name.
@@ -34,20 +28,11 @@ fn varied(light: &Light) -> Vec<(&'static str, Light)> {
     let with = || light.clone();
     let without = |names: &[&str]| Links::new(Vec::new(), names.iter().map(ToString::to_string).collect());
     let radial = PeriodicCurve::new(vec![[10.0, 1.0], [120.0, 0.5], [250.0, 0.8]]).expect("it is sound");
-    let section = |roundness: f64| {
-        with()
-            .with(CROSS_SECTION, CrossSection::Superellipse)
-            .with(SECTION_WIDTH, 0.8)
-            .with(SECTION_HEIGHT, 0.5)
-            .with(SECTION_ROUNDNESS, roundness)
-    };
+    let section = |roundness: f64| with_superellipse(with(), 0.8, 0.5, roundness);
     vec![
         ("inverse square", with().with(DECAY, Decay::InverseSquare)),
         ("linear decay", with().with(DECAY, Decay::Linear)),
-        (
-            "cut",
-            with().with(CUT_ON, Some(3.0)).with(NEAR_EDGE, 1.0).with(CUT_OFF, Some(4.5)).with(FAR_EDGE, 0.7),
-        ),
+        ("cut", with().with(CUT_ON, Some(3.0)).with(NEAR_EDGE, 1.0).with(CUT_OFF, Some(4.5)).with(FAR_EDGE, 0.7)),
         ("hard", with().with(CONE_SOFTNESS, 0.0)),
         ("linear profile", with().with(PROFILE, ProfileCurve::Linear)),
         ("power", with().with(PROFILE, ProfileCurve::Power).with(PROFILE_POWER, 3.0)),
@@ -74,19 +59,14 @@ fn a_bent_light_looks_the_same() {
         let (looked, light) = (ViewedScene::at(&loaded), key(&loaded));
         assert_the_same(name, &looked, &light);
         for (what, varied) in varied(&light) {
-            assert_the_same(&format!("{name}, {what}"), &looked, &varied);
             // The planted fault: the parameter is ignored.
-            let changed = differing_pixels(&looked, &light, &varied);
-            assert!(changed > 100, "{name}, {what}: dropping it goes unseen but for {changed} pixels");
+            assert_same_and_visible(&format!("{name}, {what}"), &looked, &light, &varied);
         }
         // A light that ends in the air, and its extension.
-        let ended = through(
-            [[-1.2, 2.6, 0.6], [-1.0, 2.2, 0.5], [-0.6, 1.8, 0.35], [-0.1, 1.4, 0.2]],
-            [0.1, 0.25, 0.4, 0.55],
-        );
+        let ended =
+            through([[-1.2, 2.6, 0.6], [-1.0, 2.2, 0.5], [-0.6, 1.8, 0.35], [-0.1, 1.4, 0.2]], [0.1, 0.25, 0.4, 0.55]);
         let extended = ended.clone().with(END_MODE, EndMode::Extend);
-        assert_the_same(&format!("{name}, extended"), &looked, &extended);
-        assert!(differing_pixels(&looked, &ended, &extended) > 100, "{name}: it goes on nowhere");
+        assert_same_and_visible(&format!("{name}, extended"), &looked, &ended, &extended);
         // The planted fault: a light 0.05 units to one side.
         let aside = light.clone().with(TRANSLATION, light.get(TRANSLATION) + DVec3::X * 0.05);
         let found = compared(&looked, &light, &aside);
@@ -120,31 +100,21 @@ fn any_number_of_segments_looks_the_same() {
         });
         assert_the_same(&format!("{segments} segments"), &looked, &bowed);
     }
-    let wide =
-        through([[0.0, 1.6, 0.3], [0.0, 1.2, 0.3], [0.1, 0.4, 0.3], [0.1, -0.6, 0.3]], [0.05, 1.0, 3.0, 6.0]);
+    let wide = through([[0.0, 1.6, 0.3], [0.0, 1.2, 0.3], [0.1, 0.4, 0.3], [0.1, -0.6, 0.3]], [0.05, 1.0, 3.0, 6.0]);
     assert_the_same("wide", &looked, &wide);
-}
-
-fn scenes_folder() -> PathBuf {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/scenes"));
-    assert!(folder.is_dir(), "{} is missing", folder.display());
-    folder
 }
 
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn shared_assets_look_the_same() {
     let bent = |size: f64| {
-        let points =
-            [[-2.6, 2.4, 0.9], [-1.9, 3.1, 0.8], [-0.5, 3.5, 0.4], [0.7, 2.2, 0.1], [1.0, -0.8, -0.1]];
+        let points = [[-2.6, 2.4, 0.9], [-1.9, 3.1, 0.8], [-0.5, 3.5, 0.4], [0.7, 2.2, 0.1], [1.0, -0.8, -0.1]];
         let points = points.map(|point| point.map(|x: f64| size * x));
         through(points, [0.25, 0.5, 0.75, 0.85, 1.5].map(|radius: f64| size * radius))
     };
     // The larger light shows as much of the wood as the others show of a room.
-    for (file, size) in
-        [("bench.glb", 1.0), ("vases_bowl.glb", 1.5), ("bedroom.glb", 1.0), ("outdoor.glb", 3.5)]
-    {
-        let loaded = assets::load(&scenes_folder().join(file)).expect("the scene is sound");
+    for (file, size) in [("bench.glb", 1.0), ("vases_bowl.glb", 1.5), ("bedroom.glb", 1.0), ("outdoor.glb", 3.5)] {
+        let loaded = assets::load(&shared_asset("scenes").join(file)).expect("the scene is sound");
         assert_the_same(file, &ViewedScene::at(&loaded), &bent(size));
     }
 }

@@ -3,9 +3,12 @@
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use assets::LoadedScene;
-use light::{Light, LightInstance};
-use render::{Backend, Gpu, MemoryBudget, Renderer, ShadowSettings};
+use light::parameters::{CROSS_SECTION, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH};
+use light::{CrossSection, Light, LightInstance};
+use render::{Backend, Renderer, ShadowSettings};
 use scene::{Aov, PosedScene, View};
+
+use crate::pictures::{alone, around, renderer_of};
 
 /// Size of each picture: no side is a multiple of four, so that blocks of pixels extend beyond the picture.
 pub const SIZE: [u32; 2] = [343, 191];
@@ -23,17 +26,6 @@ static BOTH: LazyLock<Mutex<BothRenderers>> = LazyLock::new(|| {
     let [wgpu, native] = [Backend::Wgpu, Backend::Native].map(renderer_of);
     Mutex::new(BothRenderers { wgpu, native, scene: None })
 });
-
-/// Makes a renderer with `backend`, on a device of its own.
-pub fn renderer_of(backend: Backend) -> Renderer {
-    let gpu = Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
-    Renderer::new(Arc::new(gpu)).expect("the device works")
-}
-
-/// The light alone, checked for a renderer.
-pub fn instances(light: &Light) -> Vec<LightInstance> {
-    LightInstance::numbered(vec![light.clone()]).expect("a light")
-}
 
 pub fn demo(name: &str) -> LoadedScene {
     assets::demo(name).expect("it is one of the demos")
@@ -76,16 +68,10 @@ impl ViewedScene {
     /// Marks the pixels that have a different visibility within `BESIDE` pixels.
     fn edges(&self, renderer: &mut Renderer, light: &Light) -> Vec<bool> {
         let view = View { aov: Aov::Visibility, ..self.view.clone() };
-        let picture = renderer.render(&view, &instances(light)).expect("it can be drawn");
-        let [width, height] = SIZE.map(|side| side as usize);
-        let is_beside_another = |pixel: usize| {
-            let (x, y) = (pixel % width, pixel / width);
-            let columns = x.saturating_sub(BESIDE)..(x + BESIDE + 1).min(width);
-            let mut around = (y.saturating_sub(BESIDE)..(y + BESIDE + 1).min(height))
-                .flat_map(|y| columns.clone().map(move |x| y * width + x));
-            around.any(|other| picture.pixels[other] != picture.pixels[pixel])
-        };
-        (0..width * height).map(is_beside_another).collect()
+        let picture = renderer.render(&view, &alone(light)).expect("it can be drawn");
+        let is_beside_another =
+            |pixel: usize| around(pixel, SIZE, BESIDE).any(|other| picture.pixels[other] != picture.pixels[pixel]);
+        (0..picture.pixels.len()).map(is_beside_another).collect()
     }
 }
 
@@ -125,14 +111,13 @@ impl Compared {
 /// planted faults.
 pub fn compared(looked: &ViewedScene, wgpu: &Light, native: &Light) -> Compared {
     let (of_processor, dark, of_device, edges) = looked.with(|both| {
-        let of_processor = looked.shown(&mut both.native, &instances(native));
+        let of_processor = looked.shown(&mut both.native, &alone(native));
         let dark = looked.shown(&mut both.wgpu, &[]);
-        let of_device = looked.shown(&mut both.wgpu, &instances(wgpu));
+        let of_device = looked.shown(&mut both.wgpu, &alone(wgpu));
         (of_processor, dark, of_device, looked.edges(&mut both.wgpu, wgpu))
     });
     let mut compared = Compared { lit: 0, edges: 0, beside: 0, away: 0 };
-    let [dark, of_device, of_processor] =
-        [&dark, &of_device, &of_processor].map(|bytes| bytes.as_chunks::<4>().0);
+    let [dark, of_device, of_processor] = [&dark, &of_device, &of_processor].map(|bytes| bytes.as_chunks::<4>().0);
     for (pixel, is_edge) in edges.into_iter().enumerate() {
         let (a, b) = (of_device[pixel], of_processor[pixel]);
         let differs = a.iter().zip(b).any(|(a, b)| a.abs_diff(b) > 1);
@@ -151,11 +136,24 @@ pub fn assert_the_same(name: &str, looked: &ViewedScene, light: &Light) {
     assert_eq!(compared.fault(), None, "{name}: {compared:?}");
 }
 
+/// Tests that both pictures of `light` agree, and that it differs visibly from `plain`, which is what ignoring its
+/// parameter would show.
+pub fn assert_same_and_visible(name: &str, looked: &ViewedScene, plain: &Light, light: &Light) {
+    assert_the_same(name, looked, light);
+    let changed = differing_pixels(looked, plain, light);
+    assert!(changed > 100, "{name}: dropping it goes unseen but for {changed} pixels");
+}
+
+/// A light with a superellipse as its cross-section.
+pub fn with_superellipse(light: Light, width: f64, height: f64, roundness: f64) -> Light {
+    let light = light.with(CROSS_SECTION, CrossSection::Superellipse).with(SECTION_ROUNDNESS, roundness);
+    light.with(SECTION_WIDTH, width).with(SECTION_HEIGHT, height)
+}
+
 /// Number of pixels that change by more than 1 of 255 on the GPU if it draws `light` instead of `other`. It shows that
 /// their difference is visible at all.
 pub fn differing_pixels(looked: &ViewedScene, light: &Light, other: &Light) -> usize {
-    let [a, b] =
-        looked.with(|both| [light, other].map(|light| looked.shown(&mut both.wgpu, &instances(light))));
+    let [a, b] = looked.with(|both| [light, other].map(|light| looked.shown(&mut both.wgpu, &alone(light))));
     let pixels = a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0);
     pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1)).count()
 }

@@ -5,6 +5,6 @@
 //! data that they share, and so the faults that these tests cannot detect.
 
 mod bent;
-mod both;
+pub mod both;
 mod straight;
 mod threads;

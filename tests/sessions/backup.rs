@@ -38,7 +38,7 @@ fn back_up(data: &Path, to: &Path) {
 #[test]
 fn a_backup_under_60_edits_a_second_holds_all_that_was_acknowledged_before() {
     let server = Server::start();
-    let uploaded = server.process.post("/assets?name=room", &assets::demo_bytes("arbor").expect("a demo"));
+    let uploaded = server.address.post("/assets?name=room", &assets::demo_bytes("arbor").expect("a demo"));
     assert_eq!(uploaded.expect("answered").status, 201);
     let light = server.connect("setup").light();
     let (acknowledged, is_over) = (AtomicU64::new(1), AtomicBool::new(false));
@@ -51,8 +51,7 @@ fn a_backup_under_60_edits_a_second_holds_all_that_was_acknowledged_before() {
             while !is_over.load(Ordering::Relaxed) {
                 let parameter = json!({"exposure": f64::from(count % 100) / 100.0});
                 let command = json!({"type": "setLight", "light": light, "parameter": parameter});
-                let body = json!({"edits": [{"command": command}]}).to_string();
-                let answer = server.process.post("/sessions/main/edits", body.as_bytes()).expect("answered");
+                let answer = server.post("/sessions/main/edits", &json!({"edits": [{"command": command}]}));
                 let results: EditResults = parse_body(&answer.text()).expect("results");
                 acknowledged.store(results.seq, Ordering::SeqCst);
                 count += 1;
@@ -71,16 +70,14 @@ fn a_backup_under_60_edits_a_second_holds_all_that_was_acknowledged_before() {
             assert!(before > round, "edits go on: {before}");
         }
         is_over.store(true, Ordering::Relaxed);
-        let rate = edits.join().expect("a thread");
-        eprintln!("{rate:.0} edits a second");
+        eprintln!("{:.0} edits a second", edits.join().expect("a thread"));
     });
 
     // A copy can be served like any other folder, and has the document at the time of the copy.
     let last = copy(BACKUPS - 1);
     let row = Store::open(&last).expect("a copy").session("main").expect("a session");
     let restored = ServerProcess::start(program(), &last, &[]).expect("started");
-    let state: SessionState =
-        parse_body(&restored.get("/sessions/main").expect("answered").text()).expect("a session");
+    let state: SessionState = parse_body(&restored.get("/sessions/main").expect("answered").text()).expect("a session");
     assert_eq!((state.seq, state.hash), (row.seq, row.hash));
 }
 
@@ -88,8 +85,7 @@ fn a_backup_under_60_edits_a_second_holds_all_that_was_acknowledged_before() {
 fn make_data(data: &Path) {
     let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("logs/format-4.jsonl");
     let mut import = Command::new(program());
-    let imported =
-        import.args(["import", "--quiet", "--data"]).arg(data).arg(log).stdout(Stdio::null()).status();
+    let imported = import.args(["import", "--quiet", "--data"]).arg(data).arg(log).stdout(Stdio::null()).status();
     assert!(imported.expect("it runs").success());
     let store = Store::open(data).expect("a store");
     for number in 0..3_u8 {
@@ -102,8 +98,7 @@ fn holds(data: &Path) -> Option<(BTreeMap<String, String>, usize)> {
     let store = Store::open(data).ok()?;
     let rows = store.sessions().ok()?.into_iter().map(|row| store.session(&row.name));
     let rows = rows.collect::<Result<Vec<_>, _>>().ok()?;
-    let sessions =
-        rows.into_iter().map(|row| (row.name.clone(), store.replay(&row.name, None).map(|_| row.hash)));
+    let sessions = rows.into_iter().map(|row| (row.name.clone(), store.replay(&row.name, None).map(|_| row.hash)));
     let sessions = sessions.map(|(name, hash)| Some((name, hash.ok()?))).collect::<Option<_>>()?;
     let hashes = fs::read_dir(data.join("assets")).ok()?.map(|file| file.expect("a file").file_name());
     let whole = hashes.filter(|hash| {
@@ -160,15 +155,12 @@ fn a_backup_and_its_restore_that_are_killed_anywhere_leave_all_or_nothing() {
     check(&data, &copy);
     fs::remove_dir_all(&data).expect("all is lost");
     check(&copy, &again);
-    let mut names: Vec<_> = fs::read_dir(folder.path())
-        .expect("a folder")
-        .map(|file| file.expect("a file").file_name())
-        .collect();
+    let mut names: Vec<_> =
+        fs::read_dir(folder.path()).expect("a folder").map(|file| file.expect("a file").file_name()).collect();
     names.sort();
     assert_eq!(names, ["again", "copy"]);
     // The planted fault: a copy file by file into the final place is detected.
-    let by_cp =
-        |from: &Path, to: &Path| Command::new("cp").arg("-r").args([from, to]).spawn().expect("cp runs");
+    let by_cp = |from: &Path, to: &Path| Command::new("cp").arg("-r").args([from, to]).spawn().expect("cp runs");
     let (left, damaged) = kill_copies(&copy, &folder.path().join("by-cp"), KILLS, by_cp);
     assert!(damaged > 0, "{left} copies by cp, none cut");
 }

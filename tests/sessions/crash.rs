@@ -1,16 +1,17 @@
 //! Power cuts: acknowledged edits survive, and the log replays to the same document.
 
-use light::parameters::RADIUS;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use bench::{Client, Incoming, ServerAddress};
+use light::parameters::RADIUS;
 use protocol::{ClientMessage, LogLine, LogReader, ServerMessage};
 
+use crate::processes::output_of;
 use crate::program::program;
 use crate::sessions::support::Server;
 
@@ -35,34 +36,31 @@ fn acknowledged_edits_survive_kills_at_random_moments() {
     // The times differ from run to run on purpose; the tested properties do not depend on them.
     let seed = Instant::now().elapsed().subsec_nanos() ^ std::process::id();
     eprintln!("seed {seed}");
-    let mut server = Server::start();
+    let mut server = Server::start_process();
     let light = server.connect("setup").light();
-    let shared = Arc::new(Shared {
-        address: Mutex::new(server.process.address.clone()),
+    let shared = &Shared {
+        address: Mutex::new(server.address.clone()),
         acknowledged: Mutex::default(),
         next_edit: AtomicU64::new(0),
         light,
-    });
-    let clients: Vec<_> = (0..CLIENTS)
-        .map(|number| {
-            let shared = Arc::clone(&shared);
-            std::thread::spawn(move || run_client(number, &shared))
-        })
-        .collect();
+    };
     let mut random = u64::from(seed) | 1;
-    for kill in 1..=KILLS {
-        // A random time within the next share of the edits.
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let target = EDITS * kill / (KILLS + 1) + (random >> 33) % (EDITS / (2 * KILLS));
-        while acknowledged(&shared) < target {
-            std::thread::sleep(Duration::from_micros(random >> 52));
+    let server = std::thread::scope(|scope| {
+        for number in 0..CLIENTS {
+            scope.spawn(move || run_client(number, shared));
         }
-        server = server.restart();
-        shared.address.lock().expect("no panic").clone_from(&server.process.address);
-    }
-    for client in clients {
-        client.join().expect("a client's thread");
-    }
+        for kill in 1..=KILLS {
+            // A random time within the next share of the edits.
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let target = EDITS * kill / (KILLS + 1) + (random >> 33) % (EDITS / (2 * KILLS));
+            while (shared.acknowledged.lock().expect("no panic").len() as u64) < target {
+                std::thread::sleep(Duration::from_micros(random >> 52));
+            }
+            server = server.restart();
+            shared.address.lock().expect("no panic").clone_from(&server.address);
+        }
+        server
+    });
 
     let acknowledged = shared.acknowledged.lock().expect("no panic").clone();
     assert_eq!(acknowledged.len() as u64, EDITS);
@@ -70,19 +68,20 @@ fn acknowledged_edits_survive_kills_at_random_moments() {
     assert_eq!(seq, EDITS + 1, "each edit once, after the scene");
 
     // A last restart, from the disk alone.
-    let data = server.data;
-    server.process.kill().expect("killed");
+    let (process, data) = server.into_process();
+    process.kill().expect("killed");
     let log = data.path().join("main.jsonl");
-    bendylights(&["export", "main", "--data"], data.path(), &["-o"], &log);
+    let command = |arguments: &[&str]| {
+        let mut command = Command::new(program());
+        command.args(arguments).arg("--data").arg(data.path());
+        command
+    };
+    output_of(command(&["export", "main"]).arg("-o").arg(&log));
     check_log(&log, &acknowledged, &hash);
-    let replayed = bendylights(&["replay", "--data"], data.path(), &[], &log);
+    let replayed = output_of(command(&["replay"]).arg(&log));
     let result: serde_json::Value = serde_json::from_str(&replayed).expect("JSON");
     assert_eq!(result["hash"], hash.as_str());
     assert_eq!((result["records"].as_u64(), result["checkpoints_ok"].as_bool()), (Some(seq), Some(true)));
-}
-
-fn acknowledged(shared: &Shared) -> u64 {
-    shared.acknowledged.lock().expect("no panic").len() as u64
 }
 
 /// Makes edits until there are enough. Reconnects if the server is killed meanwhile.
@@ -136,8 +135,7 @@ fn serve_edits(client: &mut Client, shared: &Shared, number: u64, open: &mut BTr
 
 fn send(client: &mut Client, shared: &Shared, op_id: &str, edit: u64) -> Result<(), bench::BenchError> {
     let radius = 1.5 + 0.0001 * edit as f64;
-    let command =
-        protocol::Command::SetPoint { light: shared.light, point: 2, parameter: RADIUS.to(radius).into() };
+    let command = protocol::Command::SetPoint { light: shared.light, point: 2, parameter: RADIUS.to(radius).into() };
     let base_seq = client.welcome.seq;
     client.send(&ClientMessage::Edit { op_id: op_id.to_owned(), base_seq, command })
 }
@@ -163,11 +161,4 @@ fn check_log(log: &Path, acknowledged: &BTreeMap<String, u64>, hash: &str) {
     let lost = acknowledged.keys().next().expect("an edit").clone();
     found.remove(&lost);
     assert_eq!(missing(&found), 1, "a planted loss is seen");
-}
-
-/// Runs the program. Returns its output.
-fn bendylights(first: &[&str], data: &Path, then: &[&str], log: &Path) -> String {
-    let output = Command::new(program()).args(first).arg(data).args(then).arg(log).output().expect("it runs");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
 }

@@ -17,39 +17,26 @@ impl FailingDisk {
     fn of(pid: u32) -> Self {
         let inject = "inject=fsync,fdatasync:error=EIO";
         let mut strace = Command::new("strace");
-        strace.args([
-            "-f",
-            "-e",
-            "trace=fsync,fdatasync",
-            "-e",
-            inject,
-            "-o",
-            "/dev/null",
-            "-p",
-            &pid.to_string(),
-        ]);
+        strace.args(["-f", "-e", "trace=fsync,fdatasync", "-e", inject, "-o", "/dev/null", "-p", &pid.to_string()]);
         let mut strace = strace.stdin(Stdio::null()).stderr(Stdio::piped()).spawn().expect("strace");
         let mut said = String::new();
         BufReader::new(strace.stderr.take().expect("a pipe")).read_line(&mut said).expect("text");
-        assert!(
-            said.contains("attached"),
-            "strace cannot attach to a process that runs, allow ptrace: {said}"
-        );
+        assert!(said.contains("attached"), "strace cannot attach to a process that runs, allow ptrace: {said}");
         Self(strace)
     }
 
     fn mend(mut self) {
         // strace detaches from the server on TERM; if killed, it could leave the server stopped.
-        let asked = Command::new("kill").args(["-TERM", &self.0.id().to_string()]).status();
-        assert!(asked.is_ok_and(|status| status.success()));
+        let sent = Command::new("kill").args(["-TERM", &self.0.id().to_string()]).status();
+        assert!(sent.is_ok_and(|status| status.success()));
         self.0.wait().expect("it ends");
     }
 }
 
 /// Sends renames, each with a new operation id, until one has an unknown outcome. Returns its id and the answer.
-fn unknown_edit(ada: &mut Mirror, light: u64) -> (String, Problem) {
+fn unknown_edit(ada: &mut Mirror) -> (String, Problem) {
     for _ in 0..TRIES {
-        let op_id = ada.edit(rename(light, "renamed"));
+        let op_id = ada.edit(rename(ada.light(), "renamed"));
         if let Outcome::Unknown(problem) = ada.result(&op_id) {
             return (op_id, problem);
         }
@@ -62,16 +49,14 @@ fn unknown_edit(ada: &mut Mirror, light: u64) -> (String, Problem) {
 #[test]
 #[ignore = "needs strace"]
 fn an_unknown_outcome_is_settled_by_resending() {
-    let mut server = Server::start();
-    let mut ada = server.connect("ada");
-    let light = ada.light();
-    let disk = FailingDisk::of(server.process.pid());
-    let (op_id, unknown) = unknown_edit(&mut ada, light);
+    let (mut server, [mut ada]) = Server::start_process().with(["ada"]);
+    let disk = FailingDisk::of(server.pid());
+    let (op_id, unknown) = unknown_edit(&mut ada);
     assert_eq!(unknown.code, ErrorCode::UnknownOutcome);
     disk.mend();
 
-    let again =
-        ClientMessage::Edit { op_id: op_id.clone(), base_seq: ada.seq, command: rename(light, "again") };
+    let command = rename(ada.light(), "again");
+    let again = ClientMessage::Edit { op_id: op_id.clone(), base_seq: ada.seq, command };
     ada.send(&again);
     let settled = ada.result(&op_id);
     let (seq, hash) = server.state();

@@ -1,13 +1,17 @@
 //! Shadows and highlights dragged in sessions: live, pinned, recorded, replayed, and queried without an edit.
 
+use std::path::Path;
+use std::process::Command as Program;
+
 use protocol::{
-    Action, ClientMessage, Command, DragKind, DragLimit, DragOutcome, DragRadii, DragStatus, ErrorCode,
-    GestureStatus, Pin, PinKind, Record, Scope, parse_body,
+    Action, Command, DragKind, DragLimit, DragOutcome, DragRadii, DragStatus, ErrorCode, GestureStatus, Pin, PinKind,
+    Record, Scope, parse_body,
 };
 use serde_json::{Value, json};
 
+use crate::processes::output_of;
 use crate::program::program;
-use crate::sessions::support::{Mirror, Server, committed, rejected, state_of};
+use crate::sessions::support::{Mirror, Server, committed, drag_ends, ok, rejected, state_of};
 
 const SIZE: [u32; 2] = [640, 360];
 /// A pixel in the shadow of the blue vase's neck.
@@ -29,26 +33,8 @@ fn drag(mirror: &Mirror, points: Option<Vec<usize>>, down: f64) -> Command {
     }
 }
 
-fn send_update(mirror: &mut Mirror, update: u64, command: Command) {
-    mirror.send(&ClientMessage::GestureUpdate { gesture: "drag".into(), update, command });
-}
-
-fn begin(mirror: &mut Mirror) {
-    let (light, base_seq) = (mirror.light(), mirror.seq);
-    mirror.send(&ClientMessage::GestureBegin { gesture: "drag".into(), light, base_seq });
-}
-
-/// The record of that number, over HTTP.
-fn record(server: &Server, seq: u64) -> Record {
-    let log = server.process.get(&format!("/sessions/main/log?from={seq}")).expect("answered").text();
-    let line = log.lines().find(|line| line.contains(&format!("\"seq\":{seq},"))).expect("the record");
-    serde_json::from_str(line).expect("a record")
-}
-
 fn outcome(record: &Record) -> DragOutcome {
-    let (Action::Edit { outcome, .. } | Action::Gesture { outcome, .. }) = &record.action else {
-        panic!("{record:?}")
-    };
+    let (Action::Edit { outcome, .. } | Action::Gesture { outcome, .. }) = &record.action else { panic!("{record:?}") };
     outcome.as_deref().expect("a drag has an outcome").clone()
 }
 
@@ -63,14 +49,12 @@ fn light_json(mirror: &Mirror) -> String {
 /// Rules: CMD-15, GEST-1, GEST-4, REC-2, REC-7, DRAG-2
 #[test]
 fn a_shadow_is_dragged_live_and_is_one_record() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let (server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     let (seq, began) = (ada.seq, light_json(&ada));
-    begin(&mut ada);
+    ada.begin("drag");
     let points = || Some(vec![2, 3, 4]);
     let mut dragged = |update: u64, down: f64| {
-        let command = drag(&ada, points(), down);
-        send_update(&mut ada, update, command);
+        ada.update("drag", update, drag(&ada, points(), down));
         let state = state_of(&mut ada, |state| state.update == update);
         assert_eq!(state.status, GestureStatus::Held { refused: None });
         (state.changes, state.outcome.expect("an outcome"))
@@ -86,29 +70,24 @@ fn a_shadow_is_dragged_live_and_is_one_record() {
 
     // Off the table the drag has no surface to land on: the light stays, and follows when the cursor comes back.
     let mut off = drag(&ada, points(), 45.0);
-    if let Command::DragFeature { to, .. } = &mut off {
-        *to = [-9000.5, -9000.5];
-    }
-    send_update(&mut ada, 4, off);
+    *drag_ends(&mut off)[1] = [-9000.5, -9000.5];
+    ada.update("drag", 4, off);
     let refused = state_of(&mut ada, |state| state.status.problem().is_some());
     assert_eq!((refused.update, refused.status.problem().map(|p| p.code)), (4, Some(ErrorCode::Drag)));
 
-    ada.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
+    ada.commit("drag");
     assert_eq!(committed(&ada.result("commit")), seq + 1);
-    let record = record(&server, seq + 1);
-    assert_eq!(outcome(&record), *landed);
+    let record = &server.records(seq + 1)[0];
+    assert_eq!(outcome(record), *landed);
     assert!(record.changes.len() == 3, "three control points: {record:?}");
     ben.catch_up(seq + 1);
     let moved = light_json(&ben);
     assert_ne!(moved, began);
-    let op_id = ada.op_id();
-    ada.send(&ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine });
-    committed(&ada.result(&op_id));
+    committed(&ada.undo(Scope::Mine));
     assert_eq!(light_json(&ada), began, "one step takes it back");
 
     // The same drag as a single edit gives the same light.
-    let command = drag(&ada, points(), 45.0);
-    committed(&ada.edited(command));
+    committed(&ada.edited(drag(&ada, points(), 45.0)));
     assert_eq!(light_json(&ada), moved);
 }
 
@@ -117,13 +96,11 @@ fn a_shadow_is_dragged_live_and_is_one_record() {
 /// Rules: GEST-7, GEST-1
 #[test]
 fn superseded_updates_are_skipped() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
-    begin(&mut ada);
+    let (_server, [mut ada]) = Server::start_with(["ada"]);
+    ada.begin("drag");
     let count = 300;
     for update in 1..=count {
-        let command = drag(&ada, None, 45.0 * update as f64 / count as f64);
-        send_update(&mut ada, update, command);
+        ada.update("drag", update, drag(&ada, None, 45.0 * update as f64 / count as f64));
     }
     let mut answers = 0;
     let last = state_of(&mut ada, |state| {
@@ -137,14 +114,11 @@ fn superseded_updates_are_skipped() {
 /// Rules: CMD-15, DRAG-5, DOC-6, GEST-2
 #[test]
 fn pins_are_everybodys_and_hold() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
-    let light = ada.light();
+    let (server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     // The surface in the shadow.
-    let asked = json!([{"light": 0, "kind": "shadow", "size": SIZE, "from": SHADOW, "to": SHADOW}]);
-    let asked = ask(&server, &asked);
-    let at: [f64; 3] = serde_json::from_value(asked[0]["fromWorld"].clone()).expect("a place");
-    let pin = Pin { kind: PinKind::Direction, light, at, caster: None, hard: true };
+    let query = json!([{"light": 0, "kind": "shadow", "size": SIZE, "from": SHADOW, "to": SHADOW}]);
+    let at: [f64; 3] = serde_json::from_value(answers(&server, &query)[0]["fromWorld"].clone()).expect("a point");
+    let pin = Pin { kind: PinKind::Direction, light: ada.light(), at, caster: None, hard: true };
     committed(&ben.edited(Command::AddPin { pin: pin.clone() }));
     ada.catch_up(ben.seq);
     let id = ada.document.pins().keys().next().expect("a pin").0;
@@ -155,46 +129,41 @@ fn pins_are_everybodys_and_hold() {
     let command = drag(&ada, Some(vec![3]), 20.0);
     let began = light_json(&ada);
     committed(&ada.edited(command.clone()));
-    let held = outcome(&record(&server, ada.seq));
-    assert_eq!((held.status, held.limit, held.pin), (DragStatus::Limited, Some(DragLimit::Pin), Some(id)));
-    let op_id = ada.op_id();
-    ada.send(&ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine });
-    committed(&ada.result(&op_id));
+    let limited = outcome(&server.records(ada.seq)[0]);
+    assert_eq!((limited.status, limited.limit, limited.pin), (DragStatus::Limited, Some(DragLimit::Pin), Some(id)));
+    committed(&ada.undo(Scope::Mine));
     assert_eq!(light_json(&ada), began);
 
     // No client can pin a light that another one drags.
-    begin(&mut ada);
-    let little = drag(&ada, None, 5.0);
-    send_update(&mut ada, 1, little);
+    ada.begin("drag");
+    ada.update("drag", 1, drag(&ada, None, 5.0));
     state_of(&mut ada, |state| state.update == 1);
     assert_eq!(rejected(&ben.edited(Command::AddPin { pin })).code, ErrorCode::Locked);
-    ada.send(&ClientMessage::GestureCancel { gesture: "drag".into() });
+    ada.cancel("drag");
     state_of(&mut ben, |state| matches!(state.status, GestureStatus::Cancelled { .. }));
 
     // Without the pin the same drag lands.
     committed(&ben.edited(Command::RemovePin { pin: id }));
     ada.catch_up(ben.seq);
     committed(&ada.edited(command));
-    assert_eq!(outcome(&record(&server, ada.seq)).status, DragStatus::Landed);
+    assert_eq!(outcome(&server.records(ada.seq)[0]).status, DragStatus::Landed);
 }
 
-fn ask(server: &Server, drags: &Value) -> Vec<Value> {
-    let response =
-        server.process.post("/sessions/main/drags", drags.to_string().as_bytes()).expect("answered");
-    assert_eq!(response.status, 200, "{}", response.text());
-    parse_body(&response.text()).expect("an array")
+/// Results of drags that edit nothing.
+fn answers(server: &Server, drags: &Value) -> Vec<Value> {
+    parse_body(&ok(server.post("/sessions/main/drags", drags)).text()).expect("an array")
 }
 
 /// Rules: HTTP-23, DRAG-2, DRAG-4
 #[test]
 fn programs_ask_where_drags_would_lead() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (server, [mut ada]) = Server::start_with(["ada"]);
     let (seq, hash) = server.state();
     let one = json!({"light": "key", "kind": "shadow", "points": [2, 3, 4], "size": SIZE, "from": SHADOW, "to": [430.5, 310.5]});
-    let other = json!({"light": 0, "kind": "hotspot", "size": SIZE, "from": [300.5, 300.5], "to": [320.5, 310.5], "camera": 0});
-    let there = ask(&server, &json!([one, other]));
-    let back = ask(&server, &json!([other, one]));
+    let other =
+        json!({"light": 0, "kind": "hotspot", "size": SIZE, "from": [300.5, 300.5], "to": [320.5, 310.5], "camera": 0});
+    let there = answers(&server, &json!([one, other]));
+    let back = answers(&server, &json!([other, one]));
     let without_seconds = |answer: &Value| {
         let mut answer = answer.clone();
         answer.as_object_mut().expect("an object").remove("seconds").expect("it took a while");
@@ -208,7 +177,7 @@ fn programs_ask_where_drags_would_lead() {
     // Result of the command line for the same scene and drag.
     let file = server.data.path().join("drags.json");
     std::fs::write(&file, json!([one]).to_string()).expect("written");
-    let output = std::process::Command::new(program()).arg("drag").arg("demo:vases").arg(&file).output();
+    let output = Program::new(program()).arg("drag").arg("demo:vases").arg(&file).output();
     let printed: Vec<Value> = serde_json::from_slice(&output.expect("it runs").stdout).expect("JSON");
     assert_eq!(without_seconds(&printed[0]), without_seconds(&there[0]));
 
@@ -217,32 +186,27 @@ fn programs_ask_where_drags_would_lead() {
     let pin = json!({"kind": "lit", "light": ada.light(), "at": at, "hard": true});
     committed(&ada.edited(serde_json::from_value(json!({"type": "addPin", "pin": pin})).expect("a command")));
     let id = ada.document.pins().keys().next().expect("a pin").0;
-    let held = ask(&server, &json!([one]));
-    assert_eq!((&held[0]["status"], &held[0]["reason"]), (&json!("refused"), &json!("pinDoesNotHold")));
-    assert_eq!(held[0]["pin"], id);
+    let refused = answers(&server, &json!([one]));
+    assert_eq!((&refused[0]["status"], &refused[0]["reason"]), (&json!("refused"), &json!("pinDoesNotHold")));
+    assert_eq!(refused[0]["pin"], id);
     let mut free = one.clone();
     free["pins"] = json!([]);
-    assert_eq!(ask(&server, &json!([free]))[0]["status"], "landed");
+    assert_eq!(answers(&server, &json!([free]))[0]["status"], "landed");
 
+    let with = |field: &str, value: Value| {
+        let mut drag = json!({"light": 0, "kind": "shadow", "size": SIZE, "from": SHADOW, "to": SHADOW});
+        drag[field] = value;
+        json!([drag])
+    };
     for (wrong, code) in [
-        (
-            json!([{"light": "nobody", "kind": "shadow", "size": SIZE, "from": SHADOW, "to": SHADOW}]),
-            "notFound",
-        ),
-        (
-            json!([{"light": 0, "kind": "shadow", "camera": "none", "size": SIZE, "from": SHADOW, "to": SHADOW}]),
-            "notFound",
-        ),
-        (json!([{"light": 0, "kind": "shadow", "size": [0, 9], "from": SHADOW, "to": SHADOW}]), "drag"),
-        (
-            json!([{"light": 0, "kind": "shadow", "size": [99999, 9], "from": SHADOW, "to": SHADOW}]),
-            "tooLarge",
-        ),
-        (json!([{"light": 0, "kind": "glow", "size": SIZE, "from": SHADOW, "to": SHADOW}]), "badMessage"),
+        (with("light", json!("nobody")), "notFound"),
+        (with("camera", json!("none")), "notFound"),
+        (with("size", json!([0, 9])), "drag"),
+        (with("size", json!([99999, 9])), "tooLarge"),
+        (with("kind", json!("glow")), "badMessage"),
         (json!({}), "badMessage"),
     ] {
-        let refused =
-            server.process.post("/sessions/main/drags", wrong.to_string().as_bytes()).expect("answered");
+        let refused = server.post("/sessions/main/drags", &wrong);
         let error: protocol::ErrorBody = parse_body(&refused.text()).expect("an error");
         assert_eq!(error.error.code.name(), code, "{wrong}: {}", refused.text());
     }
@@ -253,33 +217,24 @@ fn programs_ask_where_drags_would_lead() {
 /// Rules: REC-2, REC-7
 #[test]
 fn a_log_is_solved_again() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (server, [mut ada]) = Server::start_with(["ada"]);
     // Each drag starts where the shadow is by then.
-    let ways = [(None, 0.0, 30.0), (Some(vec![2, 3, 4]), 30.0, 18.0), (Some(vec![1, 2]), 18.0, 21.0)];
-    for (points, began, ended) in ways {
+    for (points, began, ended) in [(None, 0.0, 30.0), (Some(vec![2, 3, 4]), 30.0, 18.0), (Some(vec![1, 2]), 18.0, 21.0)]
+    {
         let mut command = drag(&ada, points, ended);
-        if let Command::DragFeature { from, .. } = &mut command {
-            from[1] += began;
-        }
+        drag_ends(&mut command)[0][1] += began;
         committed(&ada.edited(command));
     }
     let (_, hash) = server.state();
-    let log = server.process.get("/sessions/main/log").expect("answered").text();
-    let lines: Vec<Value> = log.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-    let drags = lines.iter().filter(|line| line["action"]["command"]["type"] == "dragFeature").count();
-    let data = server.data.path().display().to_string();
-    let run = |args: &[&str]| {
-        let output = std::process::Command::new(program()).args(args).output().expect("it runs");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        output.stdout
-    };
+    let is_drag = |record: &&Record| matches!(record.action, Action::Edit { command: Command::DragFeature { .. }, .. });
+    let drags = server.records(0).iter().filter(is_drag).count();
     let file = server.data.path().join("main.jsonl");
-    run(&["export", "main", "--data", &data, "-o", &file.display().to_string()]);
-    let replayed = |file: &std::path::Path| -> Value {
-        serde_json::from_slice(&run(&["replay", &file.display().to_string(), "--resolve"])).expect("JSON")
-    };
-    let replay = replayed(&file);
+    let mut export = Program::new(program());
+    output_of(export.args(["export", "main", "--data"]).arg(server.data.path()).arg("-o").arg(&file));
+    let replayed = |file: &Path| Program::new(program()).arg("replay").arg(file).arg("--resolve").output();
+    let output = replayed(&file).expect("it runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let replay: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!((&replay["hash"], &replay["checkpoints_ok"]), (&json!(hash), &json!(true)));
     let resolved = &replay["resolved"];
     assert_eq!((&resolved["drags"], &resolved["same"]), (&json!(drags), &json!(drags)), "{resolved}");
@@ -291,10 +246,7 @@ fn a_log_is_solved_again() {
     let moved = text.lines().map(with_a_point_elsewhere).collect::<Vec<_>>().join("\n") + "\n";
     assert_ne!(moved, text);
     std::fs::write(&file, moved).expect("written");
-    let output = std::process::Command::new(program())
-        .args(["replay", &file.display().to_string(), "--resolve"])
-        .output();
-    let replay: Value = serde_json::from_slice(&output.expect("it runs").stdout).expect("JSON");
+    let replay: Value = serde_json::from_slice(&replayed(&file).expect("it runs").stdout).expect("JSON");
     let resolved = &replay["resolved"];
     assert_ne!(resolved["drift_seq"], Value::Null, "{replay}");
     assert!(resolved["drift"].as_f64().expect("a number") > 0.09, "{resolved}");

@@ -2,48 +2,36 @@
 
 use std::time::{Duration, Instant};
 
-use bench::{Incoming, Tiles};
-use protocol::{ClientMessage, Command, Document, Interaction, Reduction, ServerMessage, Vec3, ViewSettings};
-use serde_json::json;
+use bench::Incoming;
+use protocol::{ClientMessage, Command, Document, Interaction, Reduction, ServerMessage, ViewSettings};
 use stream::{Codec, FrameHeader};
 
-use crate::sessions::support::{Mirror, Server, frame_pixels, move_point, moved, rename};
+use crate::sessions::support::{Mirror, Server, frame_pixels, move_point, oscillate, rename};
 
 /// Numbers of rendered and of encoded frames.
 fn work(server: &Server) -> [f64; 2] {
-    ["bendylights_frames_rendered_total", "bendylights_frames_encoded_total"]
-        .map(|name| server.process.metric(name, "").expect("counted"))
-}
-
-fn frame(mirror: &mut Mirror, mut wanted: impl FnMut(&FrameHeader) -> bool) -> (FrameHeader, Tiles) {
-    mirror.receive_until("a frame", |incoming| match incoming {
-        Incoming::Frame(header, tiles) if wanted(header) => Some((*header, tiles.clone())),
-        _ => None,
-    })
+    ["frames_rendered_total", "frames_encoded_total"].map(|name| server.metric(name, ""))
 }
 
 /// Rules: FRAME-1, FRAME-3, FRAME-4, FRAME-7
 #[test]
 fn moving_is_jpeg_rest_is_lossless_and_then_nothing_happens() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (server, [mut ada]) = Server::start_with(["ada"]);
     ada.open_view();
-    let (first, _) = frame(&mut ada, |_| true);
+    let (first, _) = ada.frame(|_| true);
     assert_eq!((first.codec, first.log_seq, first.camera_revision), (Codec::Jpeg, ada.seq, 1));
-    let (settled, _) = frame(&mut ada, |header| header.flags.is_settled);
+    let (settled, _) = ada.settled_frame(0);
     assert_eq!((settled.codec, settled.log_seq), (Codec::Png, ada.seq));
 
-    let light = ada.light();
-    let result = ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, 0.3, 0.0])));
-    let seq = result.seq().expect("committed");
-    let (moving, _) = frame(&mut ada, |header| header.log_seq == seq);
+    let seq = ada.shift_point(2, [0.0, 0.3, 0.0]);
+    let (moving, _) = ada.frame(|header| header.log_seq == seq);
     assert_eq!(moving.codec, Codec::Jpeg);
-    let (settled, _) = frame(&mut ada, |header| header.flags.is_settled);
+    let (settled, _) = ada.settled_frame(0);
     assert_eq!((settled.codec, settled.log_seq, settled.width, settled.height), (Codec::Png, seq, 160, 90));
 
     // At rest, and after a change that no picture shows, nothing is drawn, encoded or sent.
     let at_rest = work(&server);
-    ada.edited(rename(light, "another name"));
+    ada.edited(rename(ada.light(), "another name"));
     let until = Instant::now() + idle_for();
     while Instant::now() < until {
         let incoming = ada.client.receive(Duration::from_millis(100)).expect("received");
@@ -52,8 +40,8 @@ fn moving_is_jpeg_rest_is_lossless_and_then_nothing_happens() {
     assert_eq!(work(&server), at_rest);
 
     // The counters detect work if there is some.
-    ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, -0.3, 0.0])));
-    frame(&mut ada, |header| header.flags.is_settled);
+    ada.shift_point(2, [0.0, -0.3, 0.0]);
+    ada.settled_frame(0);
     assert!(work(&server)[0] > at_rest[0] && work(&server)[1] > at_rest[1]);
 }
 
@@ -63,37 +51,26 @@ fn idle_for() -> Duration {
     Duration::from_secs(seconds.unwrap_or(3))
 }
 
-/// `position`, moved to one side at even steps and to the other at odd ones.
-fn oscillate(position: Vec3, step: u32) -> Vec3 {
-    moved(position, [0.0, if step.is_multiple_of(2) { 0.1 } else { -0.1 }, 0.0])
-}
-
 /// Frames that arrive within a moment. They are not acknowledged.
 fn unacknowledged(mirror: &mut Mirror) -> Vec<FrameHeader> {
-    let mut frames = Vec::new();
-    while let Some(incoming) = mirror.client.receive(Duration::from_millis(50)).expect("received") {
-        if let Incoming::Frame(header, _) = incoming {
-            frames.push(header);
-        }
-    }
-    frames
+    let incoming = std::iter::from_fn(|| mirror.client.receive(Duration::from_millis(50)).expect("received"));
+    incoming
+        .filter_map(|incoming| if let Incoming::Frame(header, _) = incoming { Some(header) } else { None })
+        .collect()
 }
 
 /// Rules: FRAME-2
 #[test]
 fn no_more_than_three_frames_are_under_way() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
-    let mut ben = server.connect("ben");
-    let light = ada.light();
+    let (_server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     ada.open_view();
     // Ada acknowledges the first frame. From then on she reads but does not acknowledge.
-    frame(&mut ada, |_| true);
+    ada.frame(|_| true);
     let mut frames: Vec<FrameHeader> = Vec::new();
     let mut edits = 0;
     let mut edit_and_read = |ada: &mut Mirror, frames: &mut Vec<FrameHeader>| {
         edits += 1;
-        ben.edited(move_point(light, 2, oscillate(ben.point(2), edits)));
+        ben.shift_point(2, oscillate([0.0; 3], edits));
         frames.extend(unacknowledged(ada));
     };
     while frames.len() < 3 {
@@ -121,22 +98,17 @@ fn no_more_than_three_frames_are_under_way() {
 /// Rules: FRAME-6
 #[test]
 fn nothing_is_drawn_for_a_client_that_acknowledges_nothing() {
-    let server = Server::start();
-    let mut silent = server.connect("silent");
-    let mut fast = server.connect("fast");
+    let (server, [mut silent, mut fast]) = Server::start_with(["silent", "fast"]);
     silent.open_view();
     fast.open_view();
-    frame(&mut fast, |header| header.flags.is_settled);
-    let light = fast.light();
+    fast.settled_frame(0);
     // From here on `silent` neither reads nor acknowledges: one frame is in flight to it.
     let before = work(&server);
-    let mut shown = 0;
-    let until = Instant::now() + Duration::from_secs(3);
+    let (mut shown, until) = (0, Instant::now() + Duration::from_secs(3));
     while Instant::now() < until {
         shown += 1;
-        let seq =
-            fast.edited(move_point(light, 2, oscillate(fast.point(2), shown))).seq().expect("committed");
-        frame(&mut fast, |header| header.log_seq == seq);
+        let seq = fast.shift_point(2, oscillate([0.0; 3], shown));
+        fast.frame(|header| header.log_seq == seq);
     }
     // Every edit of the fast client came back as a frame of its own; a window that waited for the silent client would
     // have stopped after three.
@@ -149,69 +121,58 @@ fn nothing_is_drawn_for_a_client_that_acknowledges_nothing() {
     assert_eq!(frames.len(), 1, "{frames:?}");
     // The silent client continues after its acknowledgement.
     silent.client.ack(&frames[0]).expect("sent");
-    let (next, _) = frame(&mut silent, |header| header.frame > 1);
+    let (next, _) = silent.frame(|header| header.frame > 1);
     assert_eq!(next.log_seq, fast.seq);
 }
 
 /// Rules: FRAME-5
 #[test]
 fn followers_share_one_render_and_one_encoding() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (server, [mut ada, ben, cyd]) = Server::start_with(["ada", "ben", "cyd"]);
     ada.open_view();
-    frame(&mut ada, |header| header.flags.is_settled);
-    let mut followers = [server.connect("ben"), server.connect("cyd")];
+    ada.settled_frame(0);
+    let mut followers = [ben, cyd];
     for follower in &mut followers {
         follower.follow(&ada);
-        let (header, _) = frame(follower, |header| header.flags.is_settled);
+        let (header, _) = follower.settled_frame(0);
         assert_eq!((header.width, header.height), (160, 90), "the followed one's size");
     }
     // Nothing is in flight any more; counting starts here.
     let before = work(&server);
-    let light = ada.light();
-    let seq =
-        ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, 0.3, 0.0]))).seq().expect("committed");
+    let seq = ada.shift_point(2, [0.0, 0.3, 0.0]);
     let lossless = |header: &FrameHeader| header.flags.is_settled && header.log_seq == seq;
-    let (_, hers) = frame(&mut ada, lossless);
+    let (_, hers) = ada.frame(lossless);
     for follower in &mut followers {
-        let (_, theirs) = frame(follower, lossless);
+        let (_, theirs) = follower.frame(lossless);
         assert!(theirs == hers, "the same bytes");
     }
     let after = work(&server);
-    assert_eq!(
-        [after[0] - before[0], after[1] - before[1]],
-        [2.0, 2.0],
-        "one moving, one lossless, for three"
-    );
+    assert_eq!([after[0] - before[0], after[1] - before[1]], [2.0, 2.0], "one moving, one lossless, for three");
 }
 
 /// A client that leaves its own view for that of another client, which is at rest, gets the picture of that view.
 ///
 /// Rules: FRAME-5
 #[test]
-fn who_leaves_a_view_of_their_own_sees_the_followed_one() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+fn a_follower_that_leaves_its_own_view_sees_the_followed_one() {
+    let (_server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     ada.open_view_of([320, 200], None);
-    frame(&mut ada, |header| header.flags.is_settled);
+    ada.settled_frame(0);
     ben.open_view();
-    frame(&mut ben, |header| header.flags.is_settled);
+    ben.settled_frame(0);
     ben.follow(&ada);
-    let (header, _) = frame(&mut ben, |header| header.flags.is_settled && header.view_width == 320);
+    let (header, _) = ben.frame(|header| header.flags.is_settled && header.view_width == 320);
     assert_eq!((header.width, header.height), (320, 200));
 }
 
 /// Rules: SOCK-7, FRAME-1
 #[test]
 fn moving_ones_view_is_no_edit() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (server, [mut ada]) = Server::start_with(["ada"]);
     ada.open_view();
     let before = ada.settled(ada.seq);
-    let mut camera = ada.client.welcome.camera.clone();
-    camera.translation = moved(camera.translation, [0.3, 0.0, 0.0]);
-    ada.send(&ClientMessage::SetCamera { camera, camera_revision: 7 });
-    let (header, payload) = frame(&mut ada, |header| header.flags.is_settled && header.camera_revision == 7);
+    ada.move_camera([0.3, 0.0, 0.0], 7);
+    let (header, payload) = ada.frame(|header| header.flags.is_settled && header.camera_revision == 7);
     assert_eq!(header.log_seq, ada.seq);
     assert_ne!(frame_pixels(&header, &payload), before);
     assert_eq!(server.state().0, ada.seq);
@@ -225,11 +186,9 @@ fn moving_ones_view_is_no_edit() {
 /// Rules: SOCK-7, SOCK-12, FRAME-1
 #[test]
 fn view_settings_are_private() {
-    let server = Server::start();
-    let [mut ada, mut ben] = ["ada", "ben"].map(|name| server.connect(name));
-    let spot = Command::AddLight { light: lamp() };
-    let seq = ada.edited(spot).seq().expect("committed");
-    let (key, added) = (ada.light(), ada.document.lights().keys().map(|id| id.0).max().expect("a light"));
+    let (server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
+    let (key, added) = (ada.light(), ada.add_lamp(30.0, 40.0));
+    let seq = ada.seq;
     assert_ne!(key, added);
     ada.open_view();
     ben.open_view();
@@ -239,8 +198,7 @@ fn view_settings_are_private() {
         revision += 1;
         let settings = ViewSettings { exposure, solo: solo.to_vec() };
         ada.send(&ClientMessage::SetView { settings, stats: None, camera_revision: revision });
-        let (header, payload) =
-            frame(ada, |header| header.flags.is_settled && header.camera_revision == revision);
+        let (header, payload) = ada.frame(|header| header.flags.is_settled && header.camera_revision == revision);
         frame_pixels(&header, &payload)
     };
     let sum = |picture: &[u8]| picture.iter().map(|byte| u64::from(*byte)).sum::<u64>();
@@ -258,19 +216,15 @@ fn view_settings_are_private() {
     // A follower sees the picture of the followed view.
     seen_with(&mut ada, 0.0, &[key]);
     ben.follow(&ada);
-    let (header, followed) =
-        frame(&mut ben, |header| header.flags.is_settled && header.camera_revision == revision);
+    let (header, followed) = ben.frame(|header| header.flags.is_settled && header.camera_revision == revision);
     assert!(frame_pixels(&header, &followed) == alone && bens == both);
     // Removing the light ends its solo.
     let gone = ada.edited(Command::RemoveLight { light: key }).seq().expect("committed");
     assert!(ada.settled(gone) == lamp_alone);
 
     for (exposure, solo, sentence) in [(33.0, vec![], "from -32 to 32"), (0.0, vec![1; 257], "256")] {
-        ada.send(&ClientMessage::SetView {
-            settings: ViewSettings { exposure, solo },
-            stats: None,
-            camera_revision: 99,
-        });
+        let settings = ViewSettings { exposure, solo };
+        ada.send(&ClientMessage::SetView { settings, stats: None, camera_revision: 99 });
         let said = ada.wait_for("a refusal", |message| match message {
             ServerMessage::Error { message, fatal: false, .. } => Some(message.clone()),
             _ => None,
@@ -281,28 +235,19 @@ fn view_settings_are_private() {
 
 /// Drags for `seconds` in a view that requests `interaction`. Returns the headers of the drag's frames, and that of the
 /// lossless one.
-fn dragged(
-    server: &Server,
-    interaction: Option<Interaction>,
-    seconds: u64,
-) -> (Vec<FrameHeader>, FrameHeader) {
+fn dragged(server: &Server, interaction: Option<Interaction>, seconds: u64) -> (Vec<FrameHeader>, FrameHeader) {
     let mut ada = server.connect("ada");
     ada.open_view_of([1280, 720], interaction);
-    frame(&mut ada, |header| header.flags.is_settled);
-    let (light, start, base_seq) = (ada.light(), ada.point(2), ada.seq);
-    let gesture = "drag".to_owned();
-    ada.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq });
+    ada.settled_frame(0);
+    let (light, start) = (ada.light(), ada.point(2));
+    ada.begin("drag");
     let (mut frames, until) = (Vec::new(), Instant::now() + Duration::from_secs(seconds));
-    for update in 1.. {
-        if Instant::now() >= until {
-            break;
-        }
-        let command = move_point(light, 2, oscillate(start, update as u32));
-        ada.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command });
-        frames.push(frame(&mut ada, |header| !header.flags.is_settled).0);
+    for update in (1..).take_while(|_| Instant::now() < until) {
+        ada.update("drag", update, move_point(light, 2, oscillate(start, update)));
+        frames.push(ada.frame(|header| !header.flags.is_settled).0);
     }
-    ada.send(&ClientMessage::GestureCancel { gesture });
-    (frames, frame(&mut ada, |header| header.flags.is_settled).0)
+    ada.cancel("drag");
+    (frames, ada.settled_frame(0).0)
 }
 
 /// Size and map divisor of a frame, which the client compares with those of its view.
@@ -319,9 +264,8 @@ fn moving_pictures_are_reduced_as_far_as_is_allowed_and_lossless_ones_never() {
     let server = Server::start();
     let [both, neither] = [Reduction::Auto, Reduction::Full]
         .map(|reduction| Interaction { shadow_map: reduction, resolution: reduction });
-    let slow = |frames: &[FrameHeader]| {
-        frames.iter().take(6).all(|header| header.render_us + header.encode_us > 40_000)
-    };
+    let slow =
+        |frames: &[FrameHeader]| frames.iter().take(6).all(|header| header.render_us + header.encode_us > 40_000);
     for (interaction, least) in [(Some(both), (640, 360, 2)), (None, (1280, 720, 2)), (Some(neither), FULL)] {
         let (frames, settled) = dragged(&server, interaction, 3);
         assert_eq!(detail_of(&settled), FULL, "{interaction:?}");
@@ -343,10 +287,3 @@ fn moving_pictures_are_reduced_as_far_as_is_allowed_and_lossless_ones_never() {
 
 /// 1280 x 720 pixels with maps of full size.
 const FULL: (u16, u16, u16) = (1280, 720, 1);
-
-/// A spotlight in addition to the demo's own light.
-fn lamp() -> protocol::Light {
-    let json = json!({"type": "spot", "name": "lamp", "intensity": 30,
-        "transform": {"translation": [0, 3, 4], "rotation": [0, 0, 0, 1], "scale": 1}});
-    serde_json::from_value(json).expect("a light")
-}

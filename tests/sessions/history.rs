@@ -1,7 +1,7 @@
 //! The next undo and redo steps, which clients are told in advance.
 
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, RADIUS};
-use protocol::{ClientMessage, Command, ErrorCode, History, Outcome, Scope, ServerMessage};
+use protocol::{ClientMessage, Command, ErrorCode, History, Problem, Scope, ServerMessage};
 
 use crate::sessions::support::{Mirror, Server, committed, rejected, rename};
 
@@ -13,32 +13,24 @@ fn history(mirror: &mut Mirror) -> History {
     })
 }
 
-fn undo(mirror: &mut Mirror, scope: Scope) -> Outcome {
-    let op_id = format!("undo after {}", mirror.seq);
-    mirror.send(&ClientMessage::Undo { op_id: op_id.clone(), scope });
-    mirror.result(&op_id)
-}
-
-/// Record that the latest record undoes.
+/// Record that record `seq` undoes.
 fn target(server: &Server, seq: u64) -> u64 {
-    let log = server.process.get(&format!("/sessions/main/log?from={seq}&limit=1")).expect("answered");
+    let log = server.get(&format!("/sessions/main/log?from={seq}&limit=1"));
     let record: serde_json::Value = serde_json::from_str(&log.text()).expect("a record");
     record["action"]["target"].as_u64().expect("an undo's or a redo's target")
 }
 
 /// Rules: UNDO-8
 #[test]
-fn what_is_told_names_the_step_the_light_and_the_person() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
-    let light = ada.light();
+fn the_history_names_the_step_the_light_and_the_actor() {
+    let (_server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     let at_first = history(&mut ada);
     assert_eq!((at_first.undo.mine, at_first.redo.mine, at_first.redo.session), (None, None, None));
     let first = at_first.undo.session.expect("the scene was loaded");
     assert_eq!(first.what, "loading “demo:vases”");
 
-    ada.edited(rename(light, "sun"));
-    ben.edited(Command::SetPoint { light, point: 2, parameter: RADIUS.to(1.5).into() });
+    ada.edited(rename(ada.light(), "sun"));
+    ben.edited(Command::SetPoint { light: ben.light(), point: 2, parameter: RADIUS.to(1.5).into() });
     ada.catch_up(ben.seq);
     let both = history(&mut ada);
     assert_eq!(both.seq, ada.seq);
@@ -46,7 +38,7 @@ fn what_is_told_names_the_step_the_light_and_the_person() {
     assert_eq!((mine.what.as_str(), mine.actor.id.as_str()), ("the name of “sun”", "ada"));
     assert_eq!((all.what.as_str(), all.actor.id.as_str()), ("the radius of control point 2 of “sun”", "ben"));
 
-    undo(&mut ada, Scope::Session);
+    ada.undo(Scope::Session);
     let undone = history(&mut ada);
     let redo = undone.redo.session.expect("it can be redone");
     assert_eq!((redo.what, redo.actor.id.as_str()), (all.what, "ben"));
@@ -58,25 +50,23 @@ fn what_is_told_names_the_step_the_light_and_the_person() {
 ///
 /// Rules: UNDO-8, UNDO-7, UNDO-5
 #[test]
-fn what_is_told_is_what_undo_then_takes() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+fn undo_takes_the_step_that_the_history_names() {
+    let (server, [mut ada, mut ben]) = Server::start_process().with(["ada", "ben"]);
     let light = ada.light();
     let angle = |degrees| Command::SetLight { light, parameter: CONE_ANGLE.to(degrees).into() };
     let softness = |share| Command::SetLight { light, parameter: CONE_SOFTNESS.to(share).into() };
-    for command in [angle(31.0), softness(0.4), angle(32.0), rename(light, "sun"), angle(33.0), softness(0.5)]
-    {
+    for command in [angle(31.0), softness(0.4), angle(32.0), rename(light, "sun"), angle(33.0), softness(0.5)] {
         ada.edited(command);
     }
     ben.catch_up(ada.seq);
     ben.edited(angle(20.0));
     let server = server.restart();
     let mut ada = server.connect("ada");
-    let mut told = Vec::new();
+    let mut taken = Vec::new();
     while let Some(step) = history(&mut ada).undo.mine {
-        let done = undo(&mut ada, Scope::Mine);
-        assert_eq!(target(&server, committed(&done)), step.seq);
-        told.push((step.what, step.passed));
+        let undone = ada.undo(Scope::Mine);
+        assert_eq!(target(&server, committed(&undone)), step.seq);
+        taken.push((step.what, step.passed));
     }
     let overtaken = |light: &str| vec![format!("ben has changed the cone angle of “{light}” since")];
     let expected = [
@@ -84,12 +74,11 @@ fn what_is_told_is_what_undo_then_takes() {
         ("the name of “sun”", overtaken("sun")),
         ("the cone softness of “key”", overtaken("key")),
     ];
-    assert_eq!(told, expected.map(|(what, passed)| (what.to_owned(), passed)));
+    assert_eq!(taken, expected.map(|(what, passed)| (what.to_owned(), passed)));
     let seq = ada.seq;
-    let refused = undo(&mut ada, Scope::Mine);
-    let problem = rejected(&refused);
-    assert_eq!(problem.code, ErrorCode::NothingToUndo);
-    let gone = "there is nothing to undo: ben has changed the cone angle of “key” since";
-    assert_eq!(problem.message, gone);
+    let refused = ada.undo(Scope::Mine);
+    let Problem { code, message } = rejected(&refused);
+    let sentence = "there is nothing to undo: ben has changed the cone angle of “key” since";
+    assert_eq!((*code, message.as_str()), (ErrorCode::NothingToUndo, sentence));
     assert_eq!(server.state().0, seq, "it is no step");
 }

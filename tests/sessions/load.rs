@@ -1,13 +1,13 @@
 //! Many requests at once, and the memory that remains after them.
 
-use std::io::Write;
 use std::net::TcpStream;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use bench::{Incoming, stills};
+use bench::stills;
+use serde_json::json;
 
 use crate::program::program;
-use crate::sessions::support::{Mirror, Server};
+use crate::sessions::support::{Mirror, Server, begin_request, wait_until};
 
 /// A still of 2048 x 2048 pixels takes a hundred times as long as a frame of this drag. With one sample of a whole
 /// still as the smallest piece of work, eight stills left the drag less than a tenth of its frames, with gaps of a
@@ -36,43 +36,40 @@ fn a_drag_goes_on_beside_eight_stills() {
 
 /// Bytes that the renderer holds.
 fn kept(server: &Server, kind: &str) -> f64 {
-    server.process.metric("bendylights_render_bytes", kind).expect("counted")
+    server.metric("render_bytes", kind)
 }
 
 /// Waits until `enough` accepts the bytes that the renderer holds. Returns them.
 fn wait_until_kept(server: &Server, kind: &str, enough: impl Fn(f64) -> bool) -> f64 {
-    let until = Instant::now() + Duration::from_mins(1);
-    loop {
-        let bytes = kept(server, kind);
-        if enough(bytes) {
-            return bytes;
-        }
-        assert!(Instant::now() < until, "{bytes} bytes of {kind:?} are kept");
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    let mut bytes = 0.0;
+    wait_until(&format!("the expected bytes of {kind:?}"), || {
+        bytes = kept(server, kind);
+        enough(bytes)
+    });
+    bytes
 }
 
 /// Resident memory of the server's process.
 fn resident_bytes(server: &Server) -> f64 {
-    let statm = std::fs::read_to_string(format!("/proc/{}/statm", server.process.pid())).expect("it runs");
+    let statm = std::fs::read_to_string(format!("/proc/{}/statm", server.pid())).expect("it runs");
     let pages: f64 = statm.split(' ').nth(1).and_then(|pages| pages.parse().ok()).expect("a number");
     4096.0 * pages
 }
 
 fn see(mirror: &mut Mirror, size: [u32; 2]) {
     mirror.open_view_of(size, None);
-    mirror.receive_until("a frame", |incoming| matches!(incoming, Incoming::Frame(..)).then_some(()));
+    mirror.frame(|_| true);
 }
 
 /// Rules: HTTP-9
 #[test]
 fn views_that_close_free_their_memory() {
-    let server = Server::start();
+    let server = Server::start_process();
     // Memory that stays with the scene.
     see(&mut server.connect("first"), [160, 90]);
     wait_until_kept(&server, "views", |bytes| bytes == 0.0);
     let (before, resident_before) = (kept(&server, ""), resident_bytes(&server));
-    assert!(before > 0.0 && before < kept_at_most(&server));
+    assert!(before > 0.0 && before < server.metric("render_bytes_budget", ""));
 
     let mut clients: Vec<Mirror> = (0..4).map(|k| server.connect(&format!("client-{k}"))).collect();
     for client in &mut clients {
@@ -95,23 +92,14 @@ fn views_that_close_free_their_memory() {
     assert!(grown < 1e8 || left < 0.5 * grown, "{left} of {grown} bytes stay");
 }
 
-fn kept_at_most(server: &Server) -> f64 {
-    server.process.metric("bendylights_render_bytes_budget", "").expect("stated")
-}
-
 /// Rules: HTTP-9
 #[test]
 fn stills_that_are_given_up_free_their_memory() {
-    let server = Server::start();
-    let whole = server.process.get("/sessions/main/render?size=64x36").expect("answered");
-    assert_eq!(whole.status, 200);
+    let server = Server::start_process();
+    assert_eq!(server.get("/sessions/main/render?size=64x36").status, 200);
     let before = wait_until_kept(&server, "tiled", |bytes| bytes == 0.0) + kept(&server, "");
-    let address = &server.process.address;
     for _ in 0..3 {
-        let begun: Vec<TcpStream> = (0..4).map(|_| ask(&address.host, &address.token)).collect();
-        // Each has 4 bytes per pixel for finished pixels, and a tile.
-        wait_until_kept(&server, "tiled", |bytes| bytes > 4.0 * 4.0 * 4096.0 * 4096.0);
-        drop(begun);
+        drop(begin_stills(&server));
         wait_until_kept(&server, "", |bytes| bytes <= before);
     }
 }
@@ -119,25 +107,22 @@ fn stills_that_are_given_up_free_their_memory() {
 /// Rules: HTTP-27
 #[test]
 fn a_session_leaves_stills_to_others() {
-    let server = Server::start();
-    let small = |session| server.process.get(&format!("/sessions/{session}/render?size=64x36"));
-    assert_eq!(small("main").expect("answered").status, 200);
-    let address = &server.process.address;
-    let begun: Vec<TcpStream> = (0..4).map(|_| ask(&address.host, &address.token)).collect();
-    wait_until_kept(&server, "tiled", |bytes| bytes > 4.0 * 4.0 * 4096.0 * 4096.0);
-    let refused = small("main").expect("answered");
+    let server = Server::start_process();
+    let small = |session| server.get(&format!("/sessions/{session}/render?size=64x36"));
+    assert_eq!(small("main").status, 200);
+    let stills = begin_stills(&server);
+    let refused = small("main");
     assert_eq!((refused.status, refused.text().contains("the session has 4 pictures")), (429, true));
-    let made = server.process.post("/sessions", br#"{"name": "other", "scene": "demo:vases"}"#);
-    assert_eq!(made.expect("answered").status, 201);
-    assert_eq!(small("other").expect("answered").status, 200);
-    drop(begun);
+    assert_eq!(server.post("/sessions", &json!({"name": "other", "scene": "demo:vases"})).status, 201);
+    assert_eq!(small("other").status, 200);
+    drop(stills);
 }
 
-/// Requests a large still, on a connection that can be closed.
-fn ask(host: &str, token: &str) -> TcpStream {
-    let mut connection = TcpStream::connect(host).expect("connected");
+/// Begins four large stills, on connections that can be closed, and waits until all are drawn: each has 4 bytes per
+/// pixel for finished pixels, and a tile.
+fn begin_stills(server: &Server) -> [TcpStream; 4] {
     let path = "/sessions/main/render?size=4096x4096&samples=16";
-    write!(connection, "GET {path} HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {token}\r\n\r\n")
-        .expect("sent");
-    connection
+    let stills = std::array::from_fn(|_| begin_request(&server.address, "GET", path, ""));
+    wait_until_kept(server, "tiled", |bytes| bytes > 4.0 * 4.0 * 4096.0 * 4096.0);
+    stills
 }

@@ -5,14 +5,13 @@ use serde_json::{Value, json};
 use crate::sessions::support::Server;
 
 fn edit(server: &Server, edit: &Value) {
-    let body = json!({"edits": [edit]}).to_string();
-    let answer = server.process.post("/sessions/main/edits", body.as_bytes()).expect("answered").text();
+    let answer = server.post("/sessions/main/edits", &json!({"edits": [edit]})).text();
     let answer: Value = serde_json::from_str(&answer).expect("JSON");
     assert_eq!(answer["results"][0]["status"], "committed", "{answer}");
 }
 
 fn decoded(server: &Server) -> f64 {
-    server.process.metric("bendylights_scenes_decoded_total", "").expect("metrics")
+    server.metric("scenes_decoded_total", "")
 }
 
 /// A decoded scene can take gigabytes: of all scenes that a log has loaded, only the drawn one is decoded.
@@ -20,7 +19,7 @@ fn decoded(server: &Server) -> f64 {
 /// Rules: LOG-3, HTTP-8, HTTP-9, UNDO-1
 #[test]
 fn a_session_opens_without_the_scenes_of_its_past() {
-    let server = Server::start();
+    let server = Server::start_process();
     for demo in ["demo:arbor", "demo:vases", "demo:arbor"] {
         edit(&server, &json!({"command": {"type": "loadScene", "scene": demo}}));
     }
@@ -33,7 +32,7 @@ fn a_session_opens_without_the_scenes_of_its_past() {
     assert_eq!(server.state().0, 5);
     assert_eq!(decoded(&server), 1.0, "the present one");
     // An earlier state is replayed from the first record.
-    let picture = server.process.get("/sessions/main/render?at=4&size=16x16").expect("answered");
+    let picture = server.get("/sessions/main/render?at=4&size=16x16");
     assert_eq!((picture.status, decoded(&server)), (200, 1.0));
     edit(&server, &json!({"undo": "session"}));
     assert_eq!(decoded(&server), 1.0, "of a light");

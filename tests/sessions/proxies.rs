@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use bench::{Client, ServerAddress, ServerProcess};
 
-use crate::program::program;
+use crate::processes::serve;
+use crate::sessions::support::{DEMO, wait_until};
 
 const NGINX: &str = include_str!("../../deploy/nginx.conf");
 const CADDY: &str = include_str!("../../deploy/Caddyfile");
@@ -41,19 +42,13 @@ impl Proxy {
         command: impl FnOnce(&Path) -> Command,
     ) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        let port =
-            TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a port").port();
+        let port = TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a port").port();
         let file = folder.path().join("proxy.conf");
         fs::write(&file, configure(&server.address.host, port, folder.path())).expect("a file");
         let process = command(&file).stdin(Stdio::null()).spawn().expect("`make test-packages` installs it");
-        let address =
-            ServerAddress { host: format!("127.0.0.1:{port}"), token: server.address.token.clone() };
+        let address = ServerAddress { host: format!("127.0.0.1:{port}"), token: server.address.token.clone() };
         let proxy = Self { process, address, _folder: folder };
-        let until = Instant::now() + Duration::from_secs(20);
-        while TcpStream::connect(&proxy.address.host).is_err() {
-            assert!(Instant::now() < until, "it listens");
-            std::thread::sleep(Duration::from_millis(50));
-        }
+        wait_until("the proxy", || TcpStream::connect(&proxy.address.host).is_ok());
         proxy
     }
 
@@ -119,9 +114,8 @@ impl Proxy {
     fn answers_own_page(&self) -> String {
         let mut stream = TcpStream::connect(&self.address.host).expect("a connection");
         let host = &self.address.host;
-        let ask = format!(
-            "GET /healthz HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nConnection: close\r\n\r\n"
-        );
+        let ask =
+            format!("GET /healthz HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nConnection: close\r\n\r\n");
         stream.write_all(ask.as_bytes()).expect("sent");
         let mut answer = String::new();
         stream.read_to_string(&mut answer).expect("an answer");
@@ -129,26 +123,11 @@ impl Proxy {
     }
 }
 
-/// A valid .glb of 8 MiB, with nothing to see.
+/// A valid glTF file of 8 MiB, with nothing to see.
 fn large_scene() -> Vec<u8> {
-    let binary = vec![0; 8 << 20];
-    let mut json = format!(
-        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{}}],"buffers":[{{"byteLength":{}}}]}}"#,
-        binary.len()
-    );
-    while json.len() % 4 != 0 {
-        json.push(' ');
-    }
-    let length = |bytes: usize| u32::try_from(bytes).expect("small").to_le_bytes();
-    let chunk = |kind: &[u8; 4], bytes: &[u8]| [&length(bytes.len())[..], kind, bytes].concat();
-    let chunks = [chunk(b"JSON", json.as_bytes()), chunk(b"BIN\0", &binary)].concat();
-    [b"glTF", &2_u32.to_le_bytes()[..], &length(12 + chunks.len()), &chunks].concat()
-}
-
-fn server(data: &Path) -> ServerProcess {
-    let server = ServerProcess::start(program(), data, &["--scene", "demo:vases"]).expect("started");
-    server.wait_until_ready().expect("ready");
-    server
+    let mut scene = br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{}]}"#.to_vec();
+    scene.resize(8 << 20, b' ');
+    scene
 }
 
 /// Checks everything that must pass the proxy.
@@ -166,7 +145,7 @@ fn check(proxy: &Proxy) {
 #[ignore = "needs nginx and Caddy"]
 fn nginx_with_our_snippet_lets_everything_through() {
     let data = tempfile::tempdir().expect("a folder");
-    let server = server(data.path());
+    let server = serve(data.path(), DEMO);
     check(&Proxy::nginx(&server, NGINX));
     // Planted faults: each line of the snippet is necessary.
     let without = |start: &str| {
@@ -187,7 +166,7 @@ fn nginx_with_our_snippet_lets_everything_through() {
 #[ignore = "needs nginx and Caddy"]
 fn caddy_with_our_snippet_lets_everything_through() {
     let data = tempfile::tempdir().expect("a folder");
-    let server = server(data.path());
+    let server = serve(data.path(), DEMO);
     check(&Proxy::caddy(&server, CADDY));
     let small = CADDY.replace("768MiB", "1MiB");
     assert_ne!(small, CADDY);

@@ -3,27 +3,25 @@
 use std::path::Path;
 use std::process::Command;
 
-use bench::{Client, Incoming, ServerProcess};
-use protocol::{ClientMessage, ErrorCode, LogLine, LogReader, Problem, ServerMessage, ViewSource};
+use bench::{Client, Incoming};
+use protocol::{ErrorCode, LogLine, LogReader, Problem, ServerMessage};
 
+use crate::processes::serve;
 use crate::program::program;
-use crate::sessions::support::{Server, rejected};
+use crate::sessions::support::{DEMO, Server, own_view, rejected, view_message};
 
 /// Rules: CMD-2
 #[test]
 fn a_light_out_of_reach_is_refused_and_pictures_go_on() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
-    let light = ada.light();
+    let (server, [mut ada]) = Server::start_with(["ada"]);
     for x in [1.1e15, 3.4e38, 1e300] {
-        let translation = Some([x, 0.0, 0.0]);
-        let refused =
-            ada.edited(protocol::Command::PlaceLight { light, translation, rotation: None, scale: None });
+        let (light, translation) = (ada.light(), Some([x, 0.0, 0.0]));
+        let refused = ada.edited(protocol::Command::PlaceLight { light, translation, rotation: None, scale: None });
         let Problem { code, message } = rejected(&refused);
         assert_eq!(*code, ErrorCode::InvalidLight);
         assert!(message.contains("1e15") && message.contains('`'), "{message}");
     }
-    let picture = server.process.get("/sessions/main/render?size=64x36").expect("answered");
+    let picture = server.get("/sessions/main/render?size=64x36");
     assert_eq!((picture.status, picture.notes), (200, Vec::new()));
 }
 
@@ -41,9 +39,7 @@ fn old_log() -> String {
     let mut document = document::Document::default();
     document.apply(&parsed.changes).expect("it applies");
     let hash = document.hash_of_format(1);
-    format!(
-        "{{\"format\":1,\"session\":\"far\"}}\n{record}\n{{\"checkpoint\":{{\"seq\":1,\"hash\":\"{hash}\"}}}}\n"
-    )
+    format!("{{\"format\":1,\"session\":\"far\"}}\n{record}\n{{\"checkpoint\":{{\"seq\":1,\"hash\":\"{hash}\"}}}}\n")
 }
 
 /// Rules: FRAME-8
@@ -62,8 +58,7 @@ fn a_light_of_an_old_log_is_left_out_with_a_note() {
     let said = String::from_utf8_lossy(&replayed.stderr);
     assert!(replayed.status.success() && said.contains("note: ") && said.contains("`moon`"), "{said}");
 
-    let server = ServerProcess::start(program(), &store, &["--scene", "demo:vases"]).expect("started");
-    server.wait_until_ready().expect("ready");
+    let server = serve(&store, DEMO);
     let picture = server.get("/sessions/far/render?size=64x36").expect("answered");
     assert_eq!(picture.status, 200, "{}", picture.text());
     assert!(matches!(&picture.notes[..], [note] if note.contains("`moon`")), "{:?}", picture.notes);
@@ -72,25 +67,15 @@ fn a_light_of_an_old_log_is_left_out_with_a_note() {
     assert!(own.status != 200 && own.text().contains("`moon`"), "{}", own.text());
 
     let mut client = Client::connect(&server.address, "far", "ada", None).expect("welcome");
-    let source = ViewSource::Own(client.welcome.camera.clone());
-    let open = ClientMessage::OpenView {
-        source,
-        width: 64,
-        height: 36,
-        camera_revision: 1,
-        settings: None,
-        interaction: None,
-        stats: false,
-    };
-    client.send(&open).expect("sent");
-    let told = client.wait_for("a note", |incoming| match incoming {
+    client.send(&view_message(own_view(&client), [64, 36], None, false)).expect("sent");
+    let note = client.wait_for("a note", |incoming| match incoming {
         Incoming::Message(message) => match *message {
             ServerMessage::Error { message, fatal, .. } => Some((message, fatal)),
             _ => None,
         },
         Incoming::Frame(..) => None,
     });
-    let (message, fatal) = told.expect("told");
+    let (message, fatal) = note.expect("a note");
     assert!(message.contains("`moon`") && !fatal, "{message}");
 
     // After a move near the scene, it shines.

@@ -1,19 +1,18 @@
 //! Drags with slow solves, and work in parallel to them.
 
-use std::io::Write as _;
-use std::net::TcpStream;
 use std::process::Command as Program;
 use std::thread;
 use std::time::Duration;
 
-use bench::ServerAddress;
 use protocol::{
-    Action, ClientMessage, Command, DragKind, DragRadii, EditResults, ErrorCode, GestureStatus, Record,
-    Scope, ServerMessage, parse_body,
+    Action, ClientMessage, Command, DragKind, DragRadii, EditResults, ErrorCode, GestureStatus, Record, Scope,
+    ServerMessage, parse_body,
 };
 use serde_json::{Value, json};
 
-use crate::sessions::support::{Mirror, Server, committed, rejected, rename, state_of};
+use crate::sessions::support::{
+    Mirror, Server, begin_request, committed, drag_ends, has_ended, ok, rejected, rename, state_of,
+};
 
 const SIZE: [u32; 2] = [640, 360];
 /// Number of acknowledged edits of others that shows parallel work. A session that waited for the drag would
@@ -26,30 +25,21 @@ const PINS: usize = 240;
 /// most.
 fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
     let seen = (160..360).step_by(24).flat_map(|y| (100..600).step_by(24).map(move |x| (x, y)));
-    let asked: Vec<Value> = seen
+    let queries: Vec<Value> = seen
         .map(|(x, y)| [f64::from(x) + 0.5, f64::from(y) + 0.5])
         .map(|at| json!({"light": 0, "kind": "hotspot", "size": SIZE, "from": at, "to": at, "pins": []}))
         .collect();
-    let post = |path: &str, body: Value| {
-        let response = server.process.post(path, body.to_string().as_bytes()).expect("answered");
-        assert_eq!(response.status, 200, "{}", response.text());
-        response.text()
-    };
-    let answers: Vec<Value> =
-        parse_body(&post("/sessions/main/drags", json!(asked))).expect("an array of landings");
-    let lit: Vec<&Value> = answers
-        .iter()
-        .filter(|answer| answer["status"] == "landed")
-        .map(|answer| &answer["fromWorld"])
-        .collect();
+    let post = |path: &str, body: Value| ok(server.post(path, &body)).text();
+    let answers: Vec<Value> = parse_body(&post("/sessions/main/drags", json!(queries))).expect("an array of results");
+    let lit: Vec<&Value> =
+        answers.iter().filter(|answer| answer["status"] == "landed").map(|answer| &answer["fromWorld"]).collect();
     let kinds = ["direction", "lit", "shadowed", "shadow"];
     let pin = |n: usize| {
         let (kind, at, hard) = (if n < 2 { kinds[0] } else { kinds[n % 4] }, lit[n * 7 % lit.len()], n < 2);
         json!({"command": {"type": "addPin", "pin": {"kind": kind, "light": mirror.light(), "at": at, "hard": hard}}})
     };
     let edits: Vec<Value> = (0..PINS).map(pin).collect();
-    let results: EditResults =
-        parse_body(&post("/sessions/main/edits", json!({"edits": edits}))).expect("results");
+    let results: EditResults = parse_body(&post("/sessions/main/edits", json!({"edits": edits}))).expect("results");
     mirror.catch_up(results.seq);
     assert_eq!(mirror.document.pins().len(), PINS);
     Command::DragFeature {
@@ -65,52 +55,45 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
     }
 }
 
-/// A command that touches no light.
-fn rename_camera(mirror: &Mirror, name: &str) -> Command {
-    let camera = mirror.document.cameras().keys().next().expect("the demo has a camera").0;
-    let command = json!({"type": "setCamera", "camera": camera, "parameter": {"name": name}});
-    serde_json::from_value(command).expect("a command")
-}
-
-/// Calls `waiting`. Returns the number of edits of `mirror` that are acknowledged meanwhile, and the result.
-fn edits_during<T: Send>(mirror: &mut Mirror, waiting: impl FnOnce() -> T + Send) -> (usize, T) {
+/// Calls `wait`, and `edit` again and again until it returns. Returns the number of edits, and the result.
+fn count_during<T: Send>(wait: impl FnOnce() -> T + Send, mut edit: impl FnMut(usize)) -> (usize, T) {
     thread::scope(|scope| {
-        let waiting = scope.spawn(waiting);
+        let waiting = scope.spawn(wait);
         let mut count = 0;
         while !waiting.is_finished() {
-            let command = rename_camera(mirror, &format!("seen {count} times"));
-            committed(&mirror.edited(command));
+            edit(count);
             count += 1;
         }
-        (count, waiting.join().expect("it comes to something"))
+        (count, waiting.join().expect("a result"))
     })
 }
 
+/// Renames the camera, which touches no light.
+fn edit_camera(mirror: &mut Mirror, count: usize) {
+    let camera = mirror.document.cameras().keys().next().expect("the demo has a camera").0;
+    let command = json!({"type": "setCamera", "camera": camera, "parameter": {"name": format!("seen {count} times")}});
+    committed(&mirror.edited(serde_json::from_value(command).expect("a command")));
+}
+
+/// Calls `wait`. Returns the number of edits of `mirror` that are acknowledged meanwhile, and the result.
+fn edits_during<T: Send>(mirror: &mut Mirror, wait: impl FnOnce() -> T + Send) -> (usize, T) {
+    count_during(wait, |count| edit_camera(mirror, count))
+}
+
 fn begin(mirror: &mut Mirror) {
-    let (light, base_seq) = (mirror.light(), mirror.seq);
-    mirror.send(&ClientMessage::GestureBegin { gesture: "drag".into(), light, base_seq });
+    mirror.begin("drag");
     state_of(mirror, |state| state.update == 0);
-}
-
-fn send_update(mirror: &mut Mirror, update: u64, command: Command) {
-    mirror.send(&ClientMessage::GestureUpdate { gesture: "drag".into(), update, command });
-}
-
-fn send_commit(mirror: &mut Mirror) {
-    mirror.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
 }
 
 /// Waits for the answer to a ping: all messages sent before it have reached the session by then.
 fn ping(mirror: &mut Mirror) {
     mirror.send(&ClientMessage::Ping { sent: 1.0 });
-    mirror
-        .wait_for("a pong", |message| matches!(message, ServerMessage::Pong { sent: 1.0, .. }).then_some(()));
+    mirror.wait_for("a pong", |message| matches!(message, ServerMessage::Pong { sent: 1.0, .. }).then_some(()));
 }
 
 /// Ada and Ben in a session, and a slow drag in it.
 fn two_and_a_slow_drag() -> (Server, Mirror, Mirror, Command) {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let (server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     let drag = slow_drag(&server, &mut ada);
     ben.catch_up(ada.seq);
     (server, ada, ben, drag)
@@ -118,9 +101,7 @@ fn two_and_a_slow_drag() -> (Server, Mirror, Mirror, Command) {
 
 /// Records of an actor, in order.
 fn records_of(server: &Server, actor: &str) -> Vec<Record> {
-    let log = server.process.get("/sessions/main/log").expect("answered").text();
-    let records = log.lines().filter_map(|line| serde_json::from_str::<Record>(line).ok());
-    records.filter(|record| record.actor.id == actor).collect()
+    server.records(0).into_iter().filter(|record| record.actor.id == actor).collect()
 }
 
 /// Others edit meanwhile, and the client itself gets answers to messages that edit nothing. Its edits after the drag
@@ -131,10 +112,9 @@ fn records_of(server: &Server, actor: &str) -> Vec<Record> {
 fn a_session_goes_on_while_a_drag_is_solved() {
     let (server, mut ada, mut ben, drag) = two_and_a_slow_drag();
     begin(&mut ada);
-    send_update(&mut ada, 1, drag);
-    send_commit(&mut ada);
-    let light = ada.light();
-    let renamed = ada.edit(rename(light, "after the drag"));
+    ada.update("drag", 1, drag);
+    ada.commit("drag");
+    let renamed = ada.edit(rename(ada.light(), "after the drag"));
     let (count, (gesture, name)) = edits_during(&mut ben, || {
         ada.send(&ClientMessage::Ping { sent: 1.0 });
         ada.wait_for("a pong before the drag", |message| match message {
@@ -148,9 +128,7 @@ fn a_session_goes_on_while_a_drag_is_solved() {
     assert!(count >= MANY, "{count} edits");
     assert!(gesture < name);
     let records = records_of(&server, "ada");
-    assert!(
-        matches!(&records[..], [drag, _] if matches!(drag.action, Action::Gesture { .. }) && drag.seq == gesture)
-    );
+    assert!(matches!(&records[..], [drag, _] if matches!(drag.action, Action::Gesture { .. }) && drag.seq == gesture));
     assert_eq!(records[1].seq, name);
     ada.catch_up(ben.seq);
     assert_eq!(server.state(), (ada.seq, ada.document.hash().to_string()));
@@ -158,17 +136,15 @@ fn a_session_goes_on_while_a_drag_is_solved() {
 
 /// Rules: GEST-8, GEST-3
 #[test]
-fn who_leaves_behind_a_commit_has_committed() {
+fn a_commit_outlives_its_connection() {
     let (server, mut ada, mut ben, drag) = two_and_a_slow_drag();
     let mut eve = server.connect("eve");
     begin(&mut ada);
-    send_update(&mut ada, 1, drag);
-    send_commit(&mut ada);
+    ada.update("drag", 1, drag);
+    ada.commit("drag");
     ping(&mut ada);
     drop(ada);
-    let (count, ended) = edits_during(&mut ben, || {
-        state_of(&mut eve, |state| !matches!(state.status, GestureStatus::Held { .. }))
-    });
+    let (count, ended) = edits_during(&mut ben, || state_of(&mut eve, has_ended));
     assert!(count >= MANY, "{count} edits");
     assert_eq!(ended.status, GestureStatus::Committed);
     assert_eq!(records_of(&server, "ada").len(), 1);
@@ -181,17 +157,13 @@ fn a_programs_edits_stay_in_order_around_a_drag() {
     let light = ada.light();
     // The second drag starts where the first one ended.
     let mut back = drag.clone();
-    if let Command::DragFeature { from, to, .. } = &mut back {
-        std::mem::swap(from, to);
-    }
+    let [from, to] = drag_ends(&mut back);
+    std::mem::swap(from, to);
     let commands = [rename(light, "before"), drag, rename(light, "after"), back, rename(light, "last")];
     let edit = |(n, command): (usize, &Command)| json!({"opId": format!("step {n}"), "command": command});
     let edits: Vec<Value> = commands.iter().enumerate().map(edit).collect();
     let edits = json!({"actor": {"id": "ci", "name": "CI"}, "edits": edits});
-    let post = || -> EditResults {
-        let answer = server.process.post("/sessions/main/edits", edits.to_string().as_bytes());
-        parse_body(&answer.expect("answered").text()).expect("results")
-    };
+    let post = || -> EditResults { parse_body(&server.post("/sessions/main/edits", &edits).text()).expect("results") };
     let (count, results) = edits_during(&mut ben, post);
     assert!(count >= MANY, "{count} edits");
     let seqs: Vec<u64> = results.results.iter().filter_map(|result| result.outcome.seq()).collect();
@@ -212,16 +184,8 @@ fn a_programs_edits_stay_in_order_around_a_drag() {
 fn a_drag_is_refused_where_others_keep_changing_the_light() {
     let (_server, mut ada, mut ben, drag) = two_and_a_slow_drag();
     let op_id = ada.edit(drag.clone());
-    let light = ben.light();
-    let (count, outcome) = thread::scope(|scope| {
-        let waiting = scope.spawn(|| ada.result(&op_id));
-        let mut count = 0;
-        while !waiting.is_finished() {
-            ben.edited(rename(light, &format!("name {count}")));
-            count += 1;
-        }
-        (count, waiting.join().expect("an outcome"))
-    });
+    let mut rename_by_ben = |count| drop(ben.edited(rename(ben.light(), &format!("name {count}"))));
+    let (count, outcome) = count_during(|| ada.result(&op_id), &mut rename_by_ben);
     assert!(count >= MANY, "{count} edits");
     assert_eq!(rejected(&outcome).code, ErrorCode::KeepsChanging, "{outcome:?}");
     ada.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq: ada.seq, command: drag });
@@ -230,14 +194,12 @@ fn a_drag_is_refused_where_others_keep_changing_the_light() {
     // It undoes none of Ben's edits.
     ben.catch_up(ada.seq);
     assert!(ben.name().starts_with("name "));
-    let op_id = ada.op_id();
-    ada.send(&ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine });
-    assert!(ada.result(&op_id).seq().is_some());
+    assert!(ada.undo(Scope::Mine).seq().is_some());
 }
 
 /// Number of solves that run or wait.
 fn under_way(server: &Server) -> f64 {
-    server.process.metric("bendylights_solves_under_way", "").expect("metrics")
+    server.metric("solves_under_way", "")
 }
 
 /// Waits until a solve runs.
@@ -251,7 +213,7 @@ fn until_one_is_under_way(server: &Server) {
 fn edits_until_none_is_under_way(server: &Server, mirror: &mut Mirror) -> usize {
     let mut count = 0;
     while under_way(server) > 0.0 {
-        committed(&mirror.edited(rename_camera(mirror, &format!("seen {count} times"))));
+        edit_camera(mirror, count);
         count += 1;
     }
     count
@@ -262,54 +224,41 @@ fn edits_until_none_is_under_way(server: &Server, mirror: &mut Mirror) -> usize 
 ///
 /// Rules: GEST-10
 #[test]
-fn what_nobody_waits_for_is_not_solved() {
-    let (server, mut ada, mut ben, drag) = two_and_a_slow_drag();
+fn solves_without_a_waiting_client_end() {
+    let (server, mut ada, mut ben, mut drag) = two_and_a_slow_drag();
     begin(&mut ada);
-    send_update(&mut ada, 1, drag.clone());
+    ada.update("drag", 1, drag.clone());
     let (whole, _) = edits_during(&mut ben, || state_of(&mut ada, |state| state.update == 1));
     // The result of the same drag would be cached.
-    let mut drag = drag;
-    if let Command::DragFeature { to, .. } = &mut drag {
-        to[0] -= 1.0;
-    }
-    send_update(&mut ada, 2, drag.clone());
+    drag_ends(&mut drag)[1][0] -= 1.0;
+    ada.update("drag", 2, drag.clone());
     until_one_is_under_way(&server);
-    ada.send(&ClientMessage::GestureCancel { gesture: "drag".into() });
-    state_of(&mut ada, |state| !matches!(state.status, GestureStatus::Held { .. }));
+    ada.cancel("drag");
+    state_of(&mut ada, has_ended);
     let cancelled = edits_until_none_is_under_way(&server, &mut ben);
     // The same with another edit after the update, which is carried out anyway.
     begin(&mut ada);
-    send_update(&mut ada, 1, drag.clone());
-    let light = ada.light();
-    ada.edit(rename(light, "on leaving"));
+    ada.update("drag", 1, drag.clone());
+    ada.edit(rename(ada.light(), "on leaving"));
     ping(&mut ada);
     until_one_is_under_way(&server);
     drop(ada);
     let left = edits_until_none_is_under_way(&server, &mut ben);
     let ended = |path: &str, body: Value| {
-        let ServerAddress { host, token } = &server.process.address;
-        let mut stream = TcpStream::connect(host).expect("connected");
-        let body = body.to_string();
-        let head = format!(
-            "POST {path} HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {token}\r\n\
-             Content-Type: application/json\r\nContent-Length: {}\r\n\r\n",
-            body.len()
-        );
-        stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body.as_bytes())).expect("sent");
+        let _stream = begin_request(&server.address, "POST", path, &body.to_string());
         until_one_is_under_way(&server);
     };
     ended("/sessions/main/edits", json!({"edits": [{"command": drag}, {"command": drag}]}));
     let edited = edits_until_none_is_under_way(&server, &mut ben);
     let Command::DragFeature { points, size, from, to, .. } = drag else { unreachable!("it is a drag") };
-    let asked = json!({"light": 0, "kind": "shadow", "points": points, "radii": "solve", "size": size,
+    let query = json!({"light": 0, "kind": "shadow", "points": points, "radii": "solve", "size": size,
         "from": from, "to": to});
-    ended("/sessions/main/drags", json!(vec![asked; 20]));
-    let asked = edits_until_none_is_under_way(&server, &mut ben);
-    println!("{whole} edits in a drag; given up {cancelled}, {left}, {edited}, {asked}");
-    let most = cancelled.max(left).max(edited).max(asked);
+    ended("/sessions/main/drags", json!(vec![query; 20]));
+    let queried = edits_until_none_is_under_way(&server, &mut ben);
+    println!("{whole} edits in a drag; given up {cancelled}, {left}, {edited}, {queried}");
+    let most = cancelled.max(left).max(edited).max(queried);
     assert!(4 * most < whole, "{most} of {whole}");
-    let results = server.process.get("/sessions/main/log").expect("answered").text();
-    assert!(results.contains("on leaving"));
+    assert!(server.get("/sessions/main/log").text().contains("on leaving"));
 }
 
 /// A client that fills the queue behind its drag blocks only itself.
@@ -318,10 +267,9 @@ fn what_nobody_waits_for_is_not_solved() {
 #[test]
 fn a_full_message_queue_blocks_only_its_client() {
     let (_server, mut ada, mut ben, drag) = two_and_a_slow_drag();
-    let (light, first) = (ada.light(), ada.edit(drag));
-    let last = (0..200).map(|n| ada.edit(rename(light, &format!("name {n}")))).last().expect("an edit");
-    let (count, _) =
-        edits_during(&mut ben, || (committed(&ada.result(&first)), committed(&ada.result(&last))));
+    let first = ada.edit(drag);
+    let last = (0..200).map(|n| ada.edit(rename(ada.light(), &format!("name {n}")))).last().expect("an edit");
+    let (count, _) = edits_during(&mut ben, || (committed(&ada.result(&first)), committed(&ada.result(&last))));
     assert!(count >= MANY, "{count} edits");
 }
 
@@ -331,17 +279,14 @@ fn a_drag_that_is_cancelled_is_not_waited_for() {
     let (_server, mut ada, mut ben, drag) = two_and_a_slow_drag();
     for update in 1..=3 {
         begin(&mut ada);
-        send_update(&mut ada, update, drag.clone());
+        ada.update("drag", update, drag.clone());
         ping(&mut ada);
-        send_update(&mut ada, update + 10, drag.clone());
-        ada.send(&ClientMessage::GestureCancel { gesture: "drag".into() });
-        let ended = state_of(&mut ada, |state| {
-            state.update > 0 || !matches!(state.status, GestureStatus::Held { .. })
-        });
+        ada.update("drag", update + 10, drag.clone());
+        ada.cancel("drag");
+        let ended = state_of(&mut ada, |state| state.update > 0 || has_ended(state));
         assert_eq!((ended.update, ended.status), (0, GestureStatus::Cancelled { refused: None }));
     }
-    let light = ben.light();
-    committed(&ben.edited(rename(light, "free")));
+    committed(&ben.edited(rename(ben.light(), "free")));
     // Abandoned solves have no effect.
     ada.catch_up(ben.seq);
     assert_eq!(committed(&ada.edited(drag)), ben.seq + 1);
@@ -352,18 +297,15 @@ fn a_drag_that_is_cancelled_is_not_waited_for() {
 /// Rules: GEST-7
 #[test]
 fn later_updates_supersede_waiting_ones() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (server, [mut ada]) = Server::start_with(["ada"]);
     let drag = slow_drag(&server, &mut ada);
     begin(&mut ada);
     let last = 12;
     let (mut answers, mut pongs) = (Vec::new(), 0);
     for update in 1..=last {
         let mut command = drag.clone();
-        if let Command::DragFeature { to, .. } = &mut command {
-            to[0] -= (last - update) as f64;
-        }
-        send_update(&mut ada, update, command);
+        drag_ends(&mut command)[1][0] -= (last - update) as f64;
+        ada.update("drag", update, command);
         ada.send(&ClientMessage::Ping { sent: update as f64 });
         ada.wait_for("a pong", |message| match message {
             ServerMessage::GestureState(state) => {
@@ -383,7 +325,7 @@ fn later_updates_supersede_waiting_ones() {
     }
     assert_eq!((pongs, answers[0]), (last, 1), "the first is shown though it is outrun: {answers:?}");
     assert!(answers.len() <= 6, "{answers:?}");
-    send_commit(&mut ada);
+    ada.commit("drag");
     committed(&ada.result("commit"));
 }
 
@@ -392,12 +334,11 @@ fn later_updates_supersede_waiting_ones() {
 /// Rules: GEST-8
 #[test]
 fn a_long_line_is_carried_out_in_order() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (server, [mut ada]) = Server::start_with(["ada"]);
     let drag = slow_drag(&server, &mut ada);
     let seq = ada.seq;
-    let (light, first) = (ada.light(), ada.edit(drag));
-    let renamed: Vec<String> = (0..2_000).map(|n| ada.edit(rename(light, &format!("name {n}")))).collect();
+    let first = ada.edit(drag);
+    let renamed: Vec<String> = (0..2_000).map(|n| ada.edit(rename(ada.light(), &format!("name {n}")))).collect();
     for (n, op_id) in std::iter::once(&first).chain(&renamed).enumerate() {
         assert_eq!(committed(&ada.result(op_id)), seq + 1 + n as u64);
     }
@@ -407,15 +348,14 @@ fn a_long_line_is_carried_out_in_order() {
 /// Rules: GEST-8, SOCK-9
 #[test]
 fn a_server_that_is_stopped_finishes_what_it_solves() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (server, [mut ada]) = Server::start_process().with(["ada"]);
     let drag = slow_drag(&server, &mut ada);
-    let (light, op_id) = (ada.light(), ada.edit(drag));
-    let renamed = ada.edit(rename(light, "after the drag"));
+    let op_id = ada.edit(drag);
+    let renamed = ada.edit(rename(ada.light(), "after the drag"));
     ping(&mut ada);
-    let pid = server.process.pid().to_string();
+    let pid = server.pid().to_string();
     assert!(Program::new("kill").args(["-TERM", &pid]).status().expect("sent").success());
     let (drag, name) = (committed(&ada.result(&op_id)), committed(&ada.result(&renamed)));
     assert_eq!(name, drag + 1);
-    assert_eq!(server.process.wait().expect("it ends"), Some(0));
+    assert_eq!(server.into_process().0.wait().expect("it ends"), Some(0));
 }

@@ -6,35 +6,21 @@ use std::time::{Duration, Instant};
 use bench::{Incoming, Tiles};
 use light::parameters::INTENSITY;
 use protocol::{
-    Cause, ClientMessage, Command, FrameQuality, FrameStats, Pass, PassRun, ServerMessage, ViewSettings,
-    ViewSource,
+    Cause, ClientMessage, Command, FrameQuality, FrameStats, Pass, PassRun, ServerMessage, ViewSettings, ViewSource,
 };
-use serde_json::json;
 use stream::{FrameHeader, HEADER_BYTES};
 
-use crate::sessions::support::{Mirror, Server, move_point, moved};
+use crate::sessions::support::{Mirror, Server, move_point, moved, oscillate, own_view, view_message};
 
 /// Opens a view of 160 x 90 pixels, of its own or of the followed leader.
 fn open(mirror: &mut Mirror, leader: Option<&Mirror>, stats: bool) {
-    let own = || ViewSource::Own(mirror.client.welcome.camera.clone());
+    let own = || own_view(&mirror.client);
     let source = leader.map_or_else(own, |leader| ViewSource::Follow(leader.client.welcome.client));
-    let (width, height, camera_revision, settings, interaction) = (160, 90, 1, None, None);
-    mirror.send(&ClientMessage::OpenView {
-        source,
-        width,
-        height,
-        camera_revision,
-        settings,
-        interaction,
-        stats,
-    });
+    mirror.send(&view_message(source, [160, 90], None, stats));
 }
 
-/// Returns the next frame whose stats are `wanted`. Each frame's stats come directly after it.
-fn next_stats(
-    mirror: &mut Mirror,
-    mut wanted: impl FnMut(&FrameStats) -> bool,
-) -> (FrameHeader, Tiles, FrameStats) {
+/// Returns the next frame whose stats `accepts` takes. Each frame's stats come directly after it.
+fn next_stats(mirror: &mut Mirror, mut accepts: impl FnMut(&FrameStats) -> bool) -> (FrameHeader, Tiles, FrameStats) {
     let mut latest: Option<(FrameHeader, Tiles)> = None;
     mirror.receive_until("stats", |incoming| match incoming {
         Incoming::Frame(header, tiles) => {
@@ -46,7 +32,7 @@ fn next_stats(
             ServerMessage::Stats(stats) => {
                 let (header, tiles) = latest.take().expect("stats come behind a frame");
                 assert_eq!(stats.frame, header.frame);
-                wanted(stats).then(|| (header, tiles, (**stats).clone()))
+                accepts(stats).then(|| (header, tiles, (**stats).clone()))
             }
             other => {
                 assert!(latest.is_none(), "between a frame and its stats came {other:?}");
@@ -70,14 +56,10 @@ fn passes_run(mirror: &mut Mirror) -> Vec<(Pass, Option<u64>, Cause)> {
 /// Rules: FRAME-13
 #[test]
 fn stats_name_what_an_edit_had_drawn() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (_server, [mut ada]) = Server::start_with(["ada"]);
     // An id that differs from the light's index among the lights.
     ada.edited(Command::AddCamera { camera: ada.client.welcome.camera.clone() });
-    let lamp = json!({"type": "spot", "name": "lamp", "intensity": 30, "coneAngle": 40,
-        "transform": {"translation": [0, 3, 4], "rotation": [-0.35, 0, 0, 0.936_749_7], "scale": 1}});
-    ada.edited(Command::AddLight { light: serde_json::from_value(lamp).expect("a light") });
-    let (key, lamp) = (ada.light(), ada.document.lights().keys().map(|id| id.0).max().expect("a light"));
+    let (key, lamp) = (ada.light(), ada.add_lamp(30.0, 40.0));
     assert!(lamp > 2 && key < lamp);
     open(&mut ada, None, true);
 
@@ -99,26 +81,15 @@ fn stats_name_what_an_edit_had_drawn() {
     assert!(gbuffers.map(|run| run.runs).sum::<u32>() >= 4, "four samples: {stats:?}");
 
     let shown = (Pass::Display, None, Cause::NotKept);
-    let of_light =
-        |light| [(Pass::ShadowMap, Some(light), Cause::Light), (Pass::Layer, Some(light), Cause::Light)];
+    let of_light = |light| [(Pass::ShadowMap, Some(light), Cause::Light), (Pass::Layer, Some(light), Cause::Light)];
     ada.edit(move_point(key, 2, moved(ada.point(2), [0.0, 0.2, 0.0])));
     assert_eq!(passes_run(&mut ada), [&of_light(key)[..], &[shown]].concat());
-    ada.edit(Command::PlaceLight {
-        light: lamp,
-        translation: Some([0.1, 3.0, 4.0]),
-        rotation: None,
-        scale: None,
-    });
+    ada.edit(Command::PlaceLight { light: lamp, translation: Some([0.1, 3.0, 4.0]), rotation: None, scale: None });
     assert_eq!(passes_run(&mut ada), [&of_light(lamp)[..], &[shown]].concat());
     ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(10.0).into() });
     let runs = passes_run(&mut ada);
-    assert!(
-        !runs.is_empty() && runs.iter().all(|run| matches!(run.0, Pass::Sum | Pass::Display)),
-        "{runs:?}"
-    );
-    let mut camera = ada.client.welcome.camera.clone();
-    camera.translation = moved(camera.translation, [0.1, 0.0, 0.0]);
-    ada.send(&ClientMessage::SetCamera { camera, camera_revision: 2 });
+    assert!(!runs.is_empty() && runs.iter().all(|run| matches!(run.0, Pass::Sum | Pass::Display)), "{runs:?}");
+    ada.move_camera([0.1, 0.0, 0.0], 2);
     let runs = passes_run(&mut ada);
     assert!(runs.contains(&(Pass::Gbuffer, None, Cause::Camera)), "{runs:?}");
     assert!(!runs.iter().any(|run| run.0 == Pass::ShadowMap), "{runs:?}");
@@ -126,10 +97,8 @@ fn stats_name_what_an_edit_had_drawn() {
     assert!(runs.contains(&layer(key)) && runs.contains(&layer(lamp)), "{runs:?}");
 
     // The same picture again needs no drawing.
-    let (header, ..) = {
-        ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(20.0).into() });
-        next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled)
-    };
+    ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(20.0).into() });
+    let (header, ..) = next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
     ada.send(&ClientMessage::RequestKeyFrame { frame: header.frame });
     let (again, _, stats) = next_stats(&mut ada, |_| true);
     assert_eq!((again.frame, again.flags.is_key, stats.passes), (header.frame + 1, true, Vec::new()));
@@ -162,10 +131,8 @@ fn counted(mirror: &mut Mirror) -> (u64, u64) {
 ///
 /// Rules: FRAME-13, SOCK-12
 #[test]
-fn only_who_asks_is_told() {
-    let server = Server::start();
-    let [mut ada, mut ben, mut cyd] = ["ada", "ben", "cyd"].map(|name| server.connect(name));
-    let settings = || ViewSettings { exposure: 0.0, solo: Vec::new() };
+fn only_clients_that_request_stats_get_them() {
+    let (_server, [mut ada, mut ben, mut cyd]) = Server::start_with(["ada", "ben", "cyd"]);
     open(&mut ada, None, false);
     // Only an open view can be followed.
     let adas = counted(&mut ada);
@@ -175,12 +142,16 @@ fn only_who_asks_is_told() {
     assert!(counts.iter().all(|(frames, _)| *frames > 0), "{counts:?}");
     assert_eq!(counts.map(|(_, stats)| stats), [0, counts[1].0, 0]);
 
-    ada.send(&ClientMessage::SetView { settings: settings(), stats: Some(true), camera_revision: 2 });
-    next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
+    let set_stats = |ada: &mut Mirror, stats, camera_revision| {
+        let settings = ViewSettings { exposure: 0.0, solo: Vec::new() };
+        ada.send(&ClientMessage::SetView { settings, stats, camera_revision });
+    };
     // Without the field the setting stays.
-    ada.send(&ClientMessage::SetView { settings: settings(), stats: None, camera_revision: 3 });
-    next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
-    ada.send(&ClientMessage::SetView { settings: settings(), stats: Some(false), camera_revision: 4 });
+    for (stats, camera_revision) in [(Some(true), 2), (None, 3)] {
+        set_stats(&mut ada, stats, camera_revision);
+        next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
+    }
+    set_stats(&mut ada, Some(false), 4);
     let (frames, stats) = counted(&mut ada);
     assert!(frames > 0 && stats == 0, "{stats} stats, {frames} frames");
     // A new view has a setting of its own.
@@ -196,22 +167,16 @@ fn only_who_asks_is_told() {
 ///
 /// Rules: FRAME-13, SOCK-10
 #[test]
-fn who_does_not_read_has_no_more_stats_than_frames() {
-    let server = Server::start();
-    let mut slow = server.connect("slow");
-    let mut fast = server.connect("fast");
+fn a_client_that_does_not_read_has_no_more_stats_than_frames() {
+    let (_server, [mut slow, mut fast]) = Server::start_with(["slow", "fast"]);
     open(&mut slow, None, true);
     open(&mut fast, None, false);
     // From its first frame on `slow` neither reads nor acknowledges.
     next_stats(&mut slow, |_| true);
     let (light, start) = (fast.light(), fast.point(2));
     let until = Instant::now() + Duration::from_secs(5);
-    for step in 0.. {
-        if Instant::now() >= until {
-            break;
-        }
-        let by = if step % 2 == 0 { 0.1 } else { -0.1 };
-        fast.edited(move_point(light, 2, moved(start, [0.0, by, 0.0])));
+    for step in (0..).take_while(|_| Instant::now() < until) {
+        fast.edited(move_point(light, 2, oscillate(start, step)));
     }
     let mut counts: BTreeMap<u64, (usize, usize)> = BTreeMap::new();
     while let Some(incoming) = slow.client.receive(Duration::from_millis(300)).expect("received") {

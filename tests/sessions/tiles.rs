@@ -4,10 +4,11 @@ use std::time::{Duration, Instant};
 
 use bench::{Incoming, Tiles};
 use image::RgbImage;
+use light::parameters::EXPOSURE;
 use protocol::{ClientMessage, Command, Interaction, Reduction};
 use stream::{FrameHeader, FrameTile};
 
-use crate::sessions::support::{Mirror, Server, committed, move_point, moved};
+use crate::sessions::support::{Mirror, Server, committed, move_point, oscillate};
 
 const SIZE: [u16; 2] = [640, 360];
 
@@ -15,18 +16,7 @@ const SIZE: [u16; 2] = [640, 360];
 fn open(mirror: &mut Mirror) -> (FrameHeader, Tiles) {
     let full = Interaction { shadow_map: Reduction::Full, resolution: Reduction::Full };
     mirror.open_view_of(SIZE.map(u32::from), Some(full));
-    settled_frame(mirror, 1)
-}
-
-fn next(mirror: &mut Mirror, mut wanted: impl FnMut(&FrameHeader) -> bool) -> (FrameHeader, Tiles) {
-    mirror.receive_until("a frame", |incoming| match incoming {
-        Incoming::Frame(header, tiles) if wanted(header) => Some((*header, tiles.clone())),
-        _ => None,
-    })
-}
-
-fn settled_frame(mirror: &mut Mirror, seq: u64) -> (FrameHeader, Tiles) {
-    next(mirror, |header| header.flags.is_settled && header.log_seq >= seq)
+    mirror.settled_frame(1)
 }
 
 fn area(tiles: &Tiles) -> u32 {
@@ -35,14 +25,37 @@ fn area(tiles: &Tiles) -> u32 {
 
 const ALL: u32 = SIZE[0] as u32 * SIZE[1] as u32;
 
-/// Adds a small spotlight far from the demo's own light, which lights little of the picture. Returns its id.
-fn add_lamp(mirror: &mut Mirror) -> u64 {
-    let json = serde_json::json!({"type": "spot", "name": "lamp", "intensity": 3, "coneAngle": 4,
-        "transform": {"translation": [0, 3, 4], "rotation": [-0.35, 0, 0, 0.936_749_7], "scale": 1}});
-    let light = serde_json::from_value(json).expect("a light");
-    let seq = mirror.edited(Command::AddLight { light }).seq().expect("committed");
-    mirror.catch_up(seq);
-    mirror.document.lights().keys().map(|id| id.0).max().expect("a light")
+/// A client with a view at rest, whose lights include a small spotlight far from the demo's own light, which lights
+/// little of the picture. A gesture on the spotlight has begun.
+struct Dimming {
+    server: Server,
+    ada: Mirror,
+    lamp: u64,
+}
+
+impl Dimming {
+    /// Returns the frame of the view at rest, too.
+    fn start() -> (Self, FrameHeader, Tiles) {
+        let (server, [mut ada]) = Server::start_with(["ada"]);
+        let lamp = ada.add_lamp(3.0, 4.0);
+        let (header, tiles) = open(&mut ada);
+        let base_seq = ada.seq;
+        ada.send(&ClientMessage::GestureBegin { gesture: "dim".into(), light: lamp, base_seq });
+        (Self { server, ada, lamp }, header, tiles)
+    }
+
+    /// Dims the spotlight by an update. Returns the next moving frame.
+    fn update(&mut self, update: u64) -> (FrameHeader, Tiles) {
+        let parameter = EXPOSURE.to(-(update as f64) / 4.0).into();
+        self.ada.update("dim", update, Command::SetLight { light: self.lamp, parameter });
+        self.ada.frame(|header| !header.flags.is_settled)
+    }
+}
+
+/// Number of pixels that differ. JPEG at this quality errs by less except at edges, where samples differ too.
+fn differences(a: &RgbImage, b: &RgbImage) -> usize {
+    let differs = |(a, b): &(&image::Rgb<u8>, &image::Rgb<u8>)| (0..3).any(|k| a[k].abs_diff(b[k]) > 60);
+    a.pixels().zip(b.pixels()).filter(differs).count()
 }
 
 /// Small changes send few tiles: a whole picture for the first step, then parts of it. On the client's canvas they form
@@ -51,24 +64,16 @@ fn add_lamp(mirror: &mut Mirror) -> u64 {
 ///
 /// Rules: FRAME-4, FRAME-12
 #[test]
-fn what_changes_little_is_little_to_send() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
-    let lamp = add_lamp(&mut ada);
-    let (header, tiles) = open(&mut ada);
+fn small_changes_send_few_tiles() {
+    let (mut dimming, header, tiles) = Dimming::start();
     assert!(tiles.tiles().count() > 1 && area(&tiles) == ALL, "bands");
     let mut canvas = RgbImage::new(SIZE[0].into(), SIZE[1].into());
     tiles.draw_on(&mut canvas).expect("pictures");
     assert!(header.flags.is_last_tile && !header.flags.is_key);
 
-    let (base_seq, gesture) = (ada.seq, "dim".to_owned());
-    ada.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light: lamp, base_seq });
     let mut parts = Vec::new();
-    for update in 1..=6_u64 {
-        let parameter = light::parameters::EXPOSURE.to(-(update as f64) / 4.0).into();
-        let command = Command::SetLight { light: lamp, parameter };
-        ada.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command });
-        let (_, tiles) = next(&mut ada, |header| !header.flags.is_settled);
+    for update in 1..=6 {
+        let (_, tiles) = dimming.update(update);
         tiles.draw_on(&mut canvas).expect("pictures");
         parts.push(area(&tiles));
     }
@@ -76,19 +81,16 @@ fn what_changes_little_is_little_to_send() {
     assert!(parts[1..].iter().all(|part| *part > 0));
 
     // The parts form the picture that a new client gets as a whole.
+    let Dimming { server, mut ada, .. } = dimming;
     let mut late = server.connect("late");
     late.follow(&ada);
-    let (first, tiles) = next(&mut late, |_| true);
+    let (first, tiles) = late.frame(|_| true);
     assert_eq!((area(&tiles), first.flags.is_key), (ALL, true), "who comes late is sent the whole");
-    ada.send(&ClientMessage::GestureCommit { gesture, op_id: "dimmed".into() });
-    let (_, lossless) = settled_frame(&mut ada, base_seq + 1);
+    ada.commit("dim");
+    let (_, lossless) = ada.settled_frame(ada.seq + 1);
     let mut truth = canvas.clone();
     lossless.draw_on(&mut truth).expect("pictures");
-    let wrong = canvas.pixels().zip(truth.pixels()).filter(|(a, b)| {
-        // JPEG at this quality errs by less except at edges, where samples differ too.
-        (0..3).any(|k| a[k].abs_diff(b[k]) > 60)
-    });
-    let wrong = wrong.count();
+    let wrong = differences(&canvas, &truth);
     assert!(wrong < ALL as usize / 200, "{wrong} pixels are others");
     // The comparison detects a missing tile.
     let mut torn = truth.clone();
@@ -96,8 +98,7 @@ fn what_changes_little_is_little_to_send() {
     for (x, y) in (tile.y..tile.y + 64).flat_map(|y| (tile.x..tile.x + 64).map(move |x| (x, y))) {
         torn.get_pixel_mut(x.into(), y.into()).0 = [255, 0, 255];
     }
-    let seen = torn.pixels().zip(truth.pixels()).filter(|(a, b)| (0..3).any(|k| a[k].abs_diff(b[k]) > 60));
-    assert!(seen.count() > ALL as usize / 200);
+    assert!(differences(&torn, &truth) > ALL as usize / 200);
 }
 
 /// A client that could not decode a part gets a whole picture next, during a drag and at rest. Requests for frames
@@ -105,42 +106,28 @@ fn what_changes_little_is_little_to_send() {
 ///
 /// Rules: FRAME-14
 #[test]
-fn who_asks_for_a_key_frame_is_sent_the_whole() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
-    let lamp = add_lamp(&mut ada);
-    open(&mut ada);
-    let (base_seq, gesture) = (ada.seq, "dim".to_owned());
-    ada.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light: lamp, base_seq });
-    let dim = |ada: &mut Mirror, update: u64| {
-        let command = Command::SetLight {
-            light: lamp,
-            parameter: light::parameters::EXPOSURE.to(-(update as f64) / 4.0).into(),
-        };
-        ada.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command });
-        next(ada, |header| !header.flags.is_settled)
-    };
+fn a_requested_key_frame_is_the_whole_picture() {
+    let (mut dimming, ..) = Dimming::start();
     let mut torn = 0;
     for update in 1..=4 {
-        let (header, tiles) = dim(&mut ada, update);
+        let (header, tiles) = dimming.update(update);
         assert!(update == 1 || area(&tiles) < ALL && !header.flags.is_key, "a part");
         torn = header.frame;
     }
-    ada.send(&ClientMessage::RequestKeyFrame { frame: torn });
-    let (whole, tiles) = next(&mut ada, |header| header.flags.is_key);
+    dimming.ada.send(&ClientMessage::RequestKeyFrame { frame: torn });
+    let (whole, tiles) = dimming.ada.frame(|header| header.flags.is_key);
     assert!(whole.frame > torn && area(&tiles) == ALL);
     // The requested frame is older than the whole picture.
-    ada.send(&ClientMessage::RequestKeyFrame { frame: torn });
-    let (header, tiles) = dim(&mut ada, 5);
+    dimming.ada.send(&ClientMessage::RequestKeyFrame { frame: torn });
+    let (header, tiles) = dimming.update(5);
     assert!(area(&tiles) < ALL && !header.flags.is_key, "parts go on");
 
-    ada.send(&ClientMessage::GestureCancel { gesture: gesture.clone() });
-    let (header, at_rest) = next(&mut ada, |header| header.flags.is_settled && header.live_revision > 5);
+    let ada = &mut dimming.ada;
+    ada.cancel("dim");
+    let (header, at_rest) = ada.frame(|header| header.flags.is_settled && header.live_revision > 5);
     ada.send(&ClientMessage::RequestKeyFrame { frame: header.frame });
-    let (again, tiles) = next(&mut ada, |_| true);
-    assert!(
-        again.frame == header.frame + 1 && again.flags.is_key && again.flags.is_settled && tiles == at_rest
-    );
+    let (again, tiles) = ada.frame(|_| true);
+    assert!(again.frame == header.frame + 1 && again.flags.is_key && again.flags.is_settled && tiles == at_rest);
     for frame in [torn, header.frame, again.frame + 1, u64::MAX] {
         ada.send(&ClientMessage::RequestKeyFrame { frame });
     }
@@ -156,32 +143,25 @@ fn who_asks_for_a_key_frame_is_sent_the_whole() {
 /// Rules: FRAME-12
 #[test]
 fn an_edit_interrupts_the_lossless_frame() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
+    let (_server, [mut ada]) = Server::start_with(["ada"]);
     open(&mut ada);
     let (light, point) = (ada.light(), ada.point(2));
     let mut revisions = Vec::new();
     let until = Instant::now() + Duration::from_secs(4);
-    let mut step = 0;
-    while Instant::now() < until {
-        step += 1;
-        let by = if step % 2 == 0 { 0.1 } else { -0.1 };
-        committed(&ada.edited(move_point(light, 2, moved(point, [0.0, by, 0.0]))));
+    for step in (1..).take_while(|_| Instant::now() < until) {
+        committed(&ada.edited(move_point(light, 2, oscillate(point, step))));
         // Edits come at every time of a lossless frame, from before its render to its last tile.
         let pause = Instant::now() + Duration::from_millis(240 + 15 * (step % 12));
         while let Some(left) = pause.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
             if let Some(Incoming::Frame(header, tiles)) = ada.client.receive(left).expect("received") {
                 ada.client.ack(&header).expect("sent");
                 revisions.push(header.log_seq);
-                assert!(
-                    !header.flags.is_settled || area(&tiles) == ALL,
-                    "a lossless frame that ends is whole"
-                );
+                assert!(!header.flags.is_settled || area(&tiles) == ALL, "a lossless frame that ends is whole");
             }
         }
     }
     assert!(revisions.is_sorted(), "nothing of an earlier state comes after a later one: {revisions:?}");
     let seq = ada.seq;
-    let (header, tiles) = settled_frame(&mut ada, seq);
+    let (header, tiles) = ada.settled_frame(seq);
     assert_eq!((header.log_seq, area(&tiles)), (seq, ALL));
 }

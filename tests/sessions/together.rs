@@ -1,28 +1,23 @@
 //! Several people in one session.
 
 use light::parameters::{CONE_SOFTNESS, RADIUS};
-use protocol::{ClientMessage, Command, Committed, ErrorCode, Outcome, Scope, ServerMessage};
+use protocol::{ClientMessage, Command, Committed, ErrorCode, Outcome, Presence, Scope, ServerMessage};
 
 use crate::sessions::support::{Server, committed, move_point, moved, rejected, rename};
 
 /// Rules: SOCK-3, SOCK-4, SOCK-5, DOC-4, REC-1, REC-2
 #[test]
 fn two_clients_end_with_the_same_document() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let (server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     let light = ada.light();
-    let mut operations = Vec::new();
+    let mut last = String::new();
     for step in 0..20 {
         let shift = f64::from(step) * 0.01;
-        let (theirs, ours) = (moved(ada.point(2), [shift, 0.0, 0.0]), 0.2 + shift);
-        operations.push(ada.edit(move_point(light, 2, theirs)));
-        let softness = CONE_SOFTNESS.to(ours).into();
-        ben.edit(Command::SetLight { light, parameter: softness });
+        last = ada.edit(move_point(light, 2, moved(ada.point(2), [shift, 0.0, 0.0])));
+        ben.edit(Command::SetLight { light, parameter: CONE_SOFTNESS.to(0.2 + shift).into() });
     }
-    let last = operations.pop().expect("an operation");
     ada.result(&last);
-    let result = ben.edited(rename(light, "key, by Ben"));
-    let seq = result.seq().expect("committed");
+    let seq = ben.edited(rename(light, "key, by Ben")).seq().expect("committed");
     // All clients get all records, in one order; `Mirror` checks each record's hash.
     ada.catch_up(seq);
     ben.catch_up(seq);
@@ -37,12 +32,10 @@ fn two_clients_end_with_the_same_document() {
 /// Rules: SOCK-5
 #[test]
 fn edits_of_what_others_changed_are_rebased_and_outdated_numbers_rejected() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let (_server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     let light = ada.light();
     let known = ben.seq;
-    let insert =
-        Command::InsertPoint { light, point: 2, position: None, radius: None, color: None, intensity: None };
+    let insert = Command::InsertPoint { light, point: 2, position: None, radius: None, color: None, intensity: None };
     committed(&ada.edited(insert));
     ben.catch_up(ada.seq);
 
@@ -62,15 +55,13 @@ fn edits_of_what_others_changed_are_rebased_and_outdated_numbers_rejected() {
 /// Rules: UNDO-1, UNDO-2, REC-4
 #[test]
 fn undo_takes_back_ones_own_and_survives_a_restart() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let (server, [mut ada, mut ben]) = Server::start_process().with(["ada", "ben"]);
     let light = ada.light();
     let start = ada.document.hash();
     let first_name = ada.name().to_owned();
     ada.edited(rename(light, "Ada's"));
     ben.catch_up(ada.seq);
-    let radius = Command::SetPoint { light, point: 2, parameter: RADIUS.to(1.5).into() };
-    ben.edited(radius);
+    ben.edited(Command::SetPoint { light, point: 2, parameter: RADIUS.to(1.5).into() });
 
     let server = server.restart();
     let mut ada = server.connect("ada");
@@ -78,9 +69,7 @@ fn undo_takes_back_ones_own_and_survives_a_restart() {
     let undo = ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine };
     ada.send(&undo);
     let undone = ada.result(&op_id);
-    let Outcome::Committed(Committed { seq, rebased: false, skipped, .. }) = undone else {
-        panic!("{undone:?}")
-    };
+    let Outcome::Committed(Committed { seq, rebased: false, skipped, .. }) = undone else { panic!("{undone:?}") };
     assert!(skipped.is_empty(), "{skipped:?}");
     assert_eq!((ada.name(), ada.radius(2)), (&*first_name, 1.5), "Ada's name is gone, Ben's radius stays");
     assert_ne!(ada.document.hash(), start);
@@ -98,22 +87,17 @@ fn undo_takes_back_ones_own_and_survives_a_restart() {
 /// Rules: SOCK-8
 #[test]
 fn everybody_sees_who_is_here() {
-    let server = Server::start();
-    let mut ada = server.connect("ada");
-    let mut ben = server.connect("ben");
+    let (_server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     let light = ada.light();
     ben.send(&ClientMessage::Presence { selection: Some(light) });
-    ada.wait_for("Ben's selection", |message| match message {
-        ServerMessage::Presence { clients } => {
-            clients.iter().any(|c| c.actor.id == "ben" && c.selection == Some(light)).then_some(())
-        }
-        _ => None,
+    let mut wait_for_clients = |what, is_so: &dyn Fn(&[Presence]) -> bool| {
+        ada.wait_for(what, |message| {
+            matches!(message, ServerMessage::Presence { clients } if is_so(clients)).then_some(())
+        });
+    };
+    wait_for_clients("Ben's selection", &|clients| {
+        clients.iter().any(|client| client.actor.id == "ben" && client.selection == Some(light))
     });
     drop(ben);
-    ada.wait_for("Ben's leaving", |message| match message {
-        ServerMessage::Presence { clients } => {
-            (clients.len() == 1 && clients[0].actor.id == "ada").then_some(())
-        }
-        _ => None,
-    });
+    wait_for_clients("Ben's leaving", &|clients| matches!(clients, [client] if client.actor.id == "ada"));
 }

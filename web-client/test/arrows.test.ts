@@ -39,7 +39,7 @@ const seen = (view: View, point: Vec3): Pixel => {
   return pixel;
 };
 
-/** Where what `arrow` moves is after the pointer went by `by` from the arrow's tip. */
+/** Position of the thing that `arrow` moves after the pointer went by `by` from the arrow's tip. */
 function pulledTo(arrow: Arrow, light: Light, view: View, by: Pixel): Vec3 {
   const start = drawn(light, view);
   const tip = spanOf(arrow, start)?.tip ?? { x: NaN, y: NaN };
@@ -69,7 +69,7 @@ test("the velocity on the screen is what projecting two near points gives", () =
       const step = 1e-5;
       const [a, b] = [-step, step].map((by) => seen(view, add(point, scale(direction, by))));
       const { x, y } = screenVelocity(view, point, direction);
-      // Of central differences the error is their step squared, and the rounding of pixels over the step.
+      // Central differences have an error of their step squared, and the rounding of pixels over the step.
       expect(Math.abs((b?.x ?? NaN) - (a?.x ?? NaN) - 2 * step * x) / (2 * step)).toBeLessThan(1e-5);
       expect(Math.abs((b?.y ?? NaN) - (a?.y ?? NaN) - 2 * step * y) / (2 * step)).toBeLessThan(1e-5);
     }
@@ -117,7 +117,7 @@ test("the depth arrow moves along the way to the eye, and never behind it", () =
     const depths = [-4000, -30, 0, 30].map((px) => {
       const after = pulledTo(arrow, BENDY, view, by(px));
       const [from, to] = [seen(view, before), seen(view, after)];
-      // What is far away is a small difference of large numbers.
+      // A far point is a small difference of large numbers.
       expect(Math.hypot(to.x - from.x, to.y - from.y)).toBeLessThan(1e-6);
       return length(sub(after, eye));
     });

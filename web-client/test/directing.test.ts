@@ -61,7 +61,7 @@ test("an aimed light shines at its target, from where it was, turned the shortes
       expect(length(sub(axisOf(aimed), unit(sub(target, source))))).toBeLessThan(1e-6);
       if (target === behind) continue;
       expect(length(sub(axisOf(aimed), unit(sub(target, source))))).toBeLessThan(1e-9);
-      // What is square to both ways stays as it is.
+      // A vector square to both directions does not change.
       const hinge = unit(cross(axisOf(light), sub(target, source)));
       const local = rotate(inverse(light.transform.rotation), hinge);
       expect(length(sub(rotate(aimed.transform.rotation, local), hinge))).toBeLessThan(1e-9);

@@ -149,14 +149,14 @@ export function difference(a: readonly number[], b: readonly number[]): number {
   return a.reduce((most, value, k) => Math.max(most, Math.abs(value - (b[k] ?? NaN))), 0);
 }
 
-/** What the server makes of the drag of a control point where nothing is in its way; other commands as they are. */
+/** Result of the server for the drag of a control point without a limit; other commands are returned unchanged. */
 export function unhindered(command: Command): Command {
   if (command.type !== "dragPoint") return command;
   const { light, point, position } = command;
   return { type: "setPoint", light, point, parameter: { position } };
 }
 
-/** Of a picture that was held. */
+/** Statistics of a held picture. */
 export const STATS: FrameStats = {
   frame: 1,
   waitUs: 1,

@@ -9,7 +9,7 @@ export interface FakeSocket {
   events: SocketEvents;
   sent: ClientMessage[];
   closed: boolean;
-  /** As if the server had sent it. */
+  /** Delivers a message of the server. */
   receive(message: ServerMessage): void;
 }
 

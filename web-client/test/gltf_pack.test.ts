@@ -57,7 +57,7 @@ const SCENE = {
 const FILES = [
   given("room/geo metry.bin", "0abcd"),
   given("room/Parts/b.bin", "xyz"),
-  // As one system writes an umlaut.
+  // Spelling of an umlaut by some systems.
   given("room/textures/Ku\u0308che.JPG", "picture"),
   given("elsewhere/b.bin", "no"),
 ];

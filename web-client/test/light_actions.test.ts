@@ -7,7 +7,7 @@ import type { Page } from "../src/ui/page";
 import { CAMERA, DIRECTIONAL, DOCUMENT, OMNI, SPOT, WELCOME } from "./examples";
 import { fakeHost, sessionOn } from "./fake_host";
 
-/** What the page asks of the server to bend `light`, and what it looked at for that: `seen` is in the middle of the view. */
+/** Command of the page that bends `light`, and the cameras that it probed: `seen` is in the middle of the view. */
 async function bent(light: Light, seen: Vec3 | null): Promise<{ command: Command; asked: Camera[] }> {
   const host = fakeHost();
   const session = sessionOn(host);

@@ -5,7 +5,7 @@ import { vectors } from "./vectors";
 
 export const TABLE: ParameterTable = { parameters: vectors<Parameter[]>("parameters.json") };
 
-/** What nobody has told the page about. */
+/** Parameter that the page does not know. */
 export const UNHEARD: Parameter = {
   name: "gain",
   of: ["spot"],

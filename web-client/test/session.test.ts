@@ -35,7 +35,7 @@ function sent<T extends ClientMessage["type"]>(type: T): Extract<ClientMessage, 
   return host.socket().sent.filter((m): m is Extract<ClientMessage, { type: T }> => m.type === type);
 }
 
-/** What the page sends when it connects. */
+/** Messages of the page when it connects. */
 const JUST_CONNECTED = ["hello", "openView", "presence", "history"];
 
 function radius(point: number): number | undefined {

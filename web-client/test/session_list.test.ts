@@ -33,7 +33,7 @@ test("a name in addresses is made of a title, and a number tells those of one ti
   expect(nameFor("Shot 010 / Évening", 3)).toBe("shot-010-evening-3");
   expect(nameFor("  ...夜", 1)).toBe("session");
   expect(nameFor("v1.2_final-", 1)).toBe("v1.2_final");
-  // What the server takes, SPEC HTTP-4.
+  // Titles that the server accepts, SPEC HTTP-4.
   for (const title of ["-a", "_.b", "x".repeat(200), "Ä ".repeat(50), "", "100 %"]) {
     expect(nameFor(title, 100)).toMatch(/^[a-zA-Z0-9][a-zA-Z0-9._-]{0,63}$/);
   }

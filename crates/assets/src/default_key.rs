@@ -43,8 +43,8 @@ impl LoadedScene {
 /// It stands on the sphere around the scene's box, so that its handles do not hide the scene.
 fn default_key(reach: &SceneBounds, cameras: &[Camera]) -> Option<CheckedLight> {
     let camera = cameras.first().cloned().unwrap_or_else(|| framing_camera(reach, DEFAULT_ASPECT));
-    let rotation = camera.rotation.normalize()
-        * DQuat::from_rotation_arc(DVec3::NEG_Z, LIGHT_DIRECTION_IN_CAMERA.normalize());
+    let rotation =
+        camera.rotation.normalize() * DQuat::from_rotation_arc(DVec3::NEG_Z, LIGHT_DIRECTION_IN_CAMERA.normalize());
     let translation = reach.center + rotation * DVec3::Z * reach.half_extent.length();
     let key = Light::directional()
         .with_transform(Transform { translation, rotation, scale: 1.0 })

@@ -1,6 +1,5 @@
 //! Scene of `bendylights example`: a glTF file that anybody may open, change and redistribute.
 
-use document::SceneContents;
 use glam::{DQuat, DVec3, Vec3};
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, INTENSITY, NAME};
 use light::{Light, Transform};
@@ -20,13 +19,10 @@ const U32: u32 = 5125;
 /// BendyLight at the same position, for the user to bend.
 pub fn example_glb() -> Vec<u8> {
     let loaded = demo("vases").expect("a demo scene");
-    let key = demo_key(&loaded.contents);
+    let translation = loaded.contents.lights[0].light().transform().translation;
+    let rotation = DQuat::from_rotation_arc(DVec3::NEG_Z, (DVec3::new(0.0, 0.3, 0.0) - translation).normalize());
     let lamp = Light::spot()
-        .with_transform(Transform {
-            translation: key.transform().translation,
-            rotation: toward(key.transform().translation, DVec3::new(0.0, 0.3, 0.0)),
-            scale: 1.0,
-        })
+        .with_transform(Transform { translation, rotation, scale: 1.0 })
         .with(NAME, "lamp".into())
         .with(INTENSITY, 80.0)
         .with(CONE_ANGLE, 25.0)
@@ -36,23 +32,13 @@ pub fn example_glb() -> Vec<u8> {
 
 /// Returns the BendyLight of the scene `demo:vases`, for a light file.
 pub fn example_light() -> Light {
-    demo_key(&demo("vases").expect("a demo scene").contents)
-}
-
-fn demo_key(contents: &SceneContents) -> Light {
-    contents.lights[0].light().clone()
-}
-
-/// Returns the rotation that turns a light's -Z from `from` to `to`.
-fn toward(from: DVec3, to: DVec3) -> DQuat {
-    DQuat::from_rotation_arc(DVec3::NEG_Z, (to - from).normalize())
+    demo("vases").expect("a demo scene").contents.lights[0].light().clone()
 }
 
 /// Serializes a scene without textures, with its cameras and a spotlight. Nodes must have no parents.
 fn glb(scene: &Scene, cameras: &[Camera], lamp: &Light) -> Vec<u8> {
     let mut file = GlbBuilder::default();
-    let meshes: Vec<Value> =
-        scene.meshes.iter().map(|mesh| file.mesh(&mesh.name, &mesh.primitives)).collect();
+    let meshes: Vec<Value> = scene.meshes.iter().map(|mesh| file.mesh(&mesh.name, &mesh.primitives)).collect();
     let materials: Vec<Value> = (scene.materials.iter())
         .map(|material| {
             json!({
@@ -149,20 +135,15 @@ impl GlbBuilder {
 
     fn vectors(&mut self, vectors: &[Vec3]) -> usize {
         let bytes = vectors.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes).collect();
-        let (low, high) = vectors
-            .iter()
-            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
+        let (low, high) =
+            vectors.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
         let bounds = json!({"min": low.to_array(), "max": high.to_array()});
         self.accessor(bytes, json!({"type": "VEC3", "componentType": F32, "count": vectors.len()}), &bounds)
     }
 
     fn indices(&mut self, indices: &[u32]) -> usize {
         let bytes = indices.iter().flat_map(|index| index.to_le_bytes()).collect();
-        self.accessor(
-            bytes,
-            json!({"type": "SCALAR", "componentType": U32, "count": indices.len()}),
-            &json!({}),
-        )
+        self.accessor(bytes, json!({"type": "SCALAR", "componentType": U32, "count": indices.len()}), &json!({}))
     }
 
     /// Adds an accessor with a buffer view of its own. All its numbers have four bytes.

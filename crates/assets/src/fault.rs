@@ -56,9 +56,7 @@ pub enum AssetFault {
         why: String,
     },
     /// The bytes name a demo scene of another version of this program.
-    #[error(
-        "is the demo scene '{0}', which this version of the program does not have: use the version that made it"
-    )]
+    #[error("is the demo scene '{0}', which this version of the program does not have: use the version that made it")]
     UnknownDemo(String),
     /// The imported scene fails its own check.
     #[error("does not make a sound scene: {0}; export it again")]

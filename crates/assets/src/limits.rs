@@ -59,49 +59,48 @@ pub enum ImportLimit {
     Coordinate,
 }
 
+/// Largest value of a limit, and its texts.
+struct LimitRow {
+    max_value: u64,
+    quantity: &'static str,
+    fix: &'static str,
+}
+
 impl ImportLimit {
+    fn row(self) -> LimitRow {
+        let row = |max_value, quantity, fix| LimitRow { max_value, quantity, fix };
+        let (fewer, simpler, smaller) = ("join or leave out objects", "simplify the meshes", "scale the pictures down");
+        match self {
+            Self::BytesRead => {
+                row(MAX_BYTES_READ, "bytes in the scene's files", "split the scene or compress its pictures")
+            }
+            Self::JsonDepth => row(MAX_JSON_DEPTH, "levels of nested JSON", "export it again without custom data"),
+            Self::JsonValues => row(MAX_JSON_VALUES, "values in the JSON", fewer),
+            Self::Nodes => row(MAX_NODES, "nodes and instances", fewer),
+            Self::Vertices => row(MAX_VERTICES, "vertices", simpler),
+            Self::Triangles => row(MAX_TRIANGLES, "triangles", simpler),
+            Self::ImagePixels => row(MAX_IMAGE_PIXELS, "pixels in one picture", smaller),
+            Self::ImageSide => row(MAX_IMAGE_SIDE, "pixels along one side of a picture", smaller),
+            Self::TextureBytes => row(MAX_TEXTURE_BYTES, "bytes of decoded pictures", smaller),
+            Self::Coordinate => {
+                row(MAX_COORDINATE, "world units from the origin", "move the scene to the origin or scale it down")
+            }
+        }
+    }
+
     /// Returns the largest value allowed.
     pub fn max_value(self) -> u64 {
-        match self {
-            Self::BytesRead => MAX_BYTES_READ,
-            Self::JsonDepth => MAX_JSON_DEPTH,
-            Self::JsonValues => MAX_JSON_VALUES,
-            Self::Nodes => MAX_NODES,
-            Self::Vertices => MAX_VERTICES,
-            Self::Triangles => MAX_TRIANGLES,
-            Self::ImagePixels => MAX_IMAGE_PIXELS,
-            Self::ImageSide => MAX_IMAGE_SIDE,
-            Self::TextureBytes => MAX_TEXTURE_BYTES,
-            Self::Coordinate => MAX_COORDINATE,
-        }
+        self.row().max_value
     }
 
     /// Returns the name of the counted quantity.
     pub fn quantity(self) -> &'static str {
-        match self {
-            Self::BytesRead => "bytes in the scene's files",
-            Self::JsonDepth => "levels of nested JSON",
-            Self::JsonValues => "values in the JSON",
-            Self::Nodes => "nodes and instances",
-            Self::Vertices => "vertices",
-            Self::Triangles => "triangles",
-            Self::ImagePixels => "pixels in one picture",
-            Self::ImageSide => "pixels along one side of a picture",
-            Self::TextureBytes => "bytes of decoded pictures",
-            Self::Coordinate => "world units from the origin",
-        }
+        self.row().quantity
     }
 
     /// Returns advice for the author of the file.
     pub fn fix(self) -> &'static str {
-        match self {
-            Self::BytesRead => "split the scene or compress its pictures",
-            Self::JsonDepth => "export it again without custom data",
-            Self::JsonValues | Self::Nodes => "join or leave out objects",
-            Self::Vertices | Self::Triangles => "simplify the meshes",
-            Self::ImagePixels | Self::ImageSide | Self::TextureBytes => "scale the pictures down",
-            Self::Coordinate => "move the scene to the origin or scale it down",
-        }
+        self.row().fix
     }
 
     /// Returns an error if `found` exceeds the limit.

@@ -1,9 +1,7 @@
 //! Bends a straight light, in the same way for all benchmarks.
 
 use light::parameters::{RANGE, TRANSLATION};
-use light::{
-    CheckedLight, Light, LightError, ParameterOwner, SceneBounds, as_spotlight, bend_with_length, straighten,
-};
+use light::{CheckedLight, Light, LightError, ParameterOwner, SceneBounds, as_spotlight, bend_with_length, straighten};
 
 /// Segments of the bent light if the scene has none; the frame time that the design measured used as many.
 const SEGMENTS: usize = 3;
@@ -36,12 +34,6 @@ pub(crate) fn bent(spot: &Light, segments: usize, length: f64) -> Result<Light, 
             point.position.x = aside * end.abs() * 4.0 * share * (1.0 - share);
         })
     };
-    let mut refused = None;
-    for light in MIDDLE_OFFSETS.map(bowed) {
-        match CheckedLight::new(light.clone()) {
-            Ok(_) => return Ok(light),
-            Err(why) => refused = Some(why),
-        }
-    }
-    refused.map_or(Ok(straight), Err)
+    let checked = MIDDLE_OFFSETS.map(|aside| CheckedLight::new(bowed(aside))).into_iter().reduce(Result::or);
+    Ok(checked.expect("there are offsets")?.light().clone())
 }

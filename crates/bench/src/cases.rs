@@ -6,10 +6,9 @@ use std::time::{Duration, Instant};
 
 use image::RgbImage;
 use plotters::prelude::*;
-use protocol::ClientMessage;
 use serde::Serialize;
 
-use crate::chart::{self, Area, BLUE, ChartResult, GREY};
+use crate::chart::{self, Area, BLUE, ChartResult, GREY, PlotLayout};
 use crate::circle::{GESTURE, decode, drag_in_a_circle, open_view};
 use crate::{BenchError, Client, Incoming, Quantiles, ServerProcess};
 
@@ -54,37 +53,33 @@ fn measure_one(
     let mut clients = (0..viewers)
         .map(|_| {
             let mut client = Client::connect(&server.address, "main", "bench", None)?;
-            open_view(&mut client, size)?;
+            open_view(&mut client, size, None)?;
             Ok(client)
         })
         .collect::<Result<Vec<Client>, BenchError>>()?;
-    let mut hand = clients.pop().ok_or_else(|| BenchError::Refused("it has nobody who drags".into()))?;
+    let mut dragger = clients.pop().ok_or_else(|| BenchError::Refused("it has nobody who drags".into()))?;
     let is_over = &AtomicBool::new(false);
-    let (drag, seconds, watched) = thread::scope(|scope| {
-        let watchers: Vec<_> =
-            clients.into_iter().map(|client| scope.spawn(move || watch(client, is_over))).collect();
-        let dragged = drag_in_a_circle(&mut hand, updates);
+    let (drag, watched) = thread::scope(|scope| {
+        let watchers: Vec<_> = clients.into_iter().map(|client| scope.spawn(move || watch(client, is_over))).collect();
+        let dragged = drag_in_a_circle(&mut dragger, updates);
         is_over.store(true, Ordering::Relaxed);
         let watched: Result<Vec<f64>, BenchError> = watchers
             .into_iter()
             .map(|watcher| watcher.join().map_err(|_| BenchError::Refused("a client panicked".into()))?)
             .collect();
-        let (drag, seconds) = dragged?;
-        Ok::<_, BenchError>((drag, seconds, watched?))
+        Ok::<_, BenchError>((dragged?, watched?))
     })?;
-    hand.send(&ClientMessage::GestureCancel { gesture: GESTURE.into() })?;
-    let watched_frames_per_second =
-        (!watched.is_empty()).then(|| watched.iter().sum::<f64>() / watched.len() as f64);
-    let bytes = drag.frame_bytes();
+    dragger.cancel_gesture(GESTURE)?;
+    let watched_frames_per_second = (!watched.is_empty()).then(|| watched.iter().sum::<f64>() / watched.len() as f64);
     Ok(SessionCase {
         width: size[0],
         height: size[1],
         viewers,
-        frames_per_second: bytes.len() as f64 / seconds,
+        frames_per_second: drag.shown.len() as f64 / drag.seconds,
         watched_frames_per_second,
         edit_to_decoded_ms: drag.edit_to_decoded_ms(),
-        frame_bytes_p50: bytes.get(bytes.len() / 2).copied().unwrap_or(0),
-        bytes_per_second: bytes.iter().sum::<usize>() as f64 / seconds,
+        frame_bytes_p50: drag.frame_bytes_p50(),
+        bytes_per_second: drag.shown.iter().map(|shown| shown.bytes).sum::<usize>() as f64 / drag.seconds,
     })
 }
 
@@ -105,12 +100,12 @@ fn watch(mut client: Client, is_over: &AtomicBool) -> Result<f64, BenchError> {
 pub(crate) fn draw(area: &Area, cases: &[SessionCase]) -> ChartResult {
     const BARS: [(&str, RGBColor, f64); 2] = [("p50", BLUE, 0.1), ("p95", GREY, 0.5)];
     let top = cases.iter().map(|case| case.edit_to_decoded_ms.p95).fold(1.0, f64::max) * 1.25;
-    let mut plot = ChartBuilder::on(area)
-        .caption("edit to decoded frame, by size and viewers", ("sans-serif", 20))
-        .margin(12)
-        .x_label_area_size(36)
-        .y_label_area_size(56)
-        .build_cartesian_2d(0.0..cases.len().max(1) as f64, 0.0..top)?;
+    let mut plot = PlotLayout { caption: 20, margin: 12, below: 36, left: 56 }.plot(
+        area,
+        "edit to decoded frame, by size and viewers",
+        0.0..cases.len().max(1) as f64,
+        0.0..top,
+    )?;
     plot.configure_mesh().y_desc("ms").disable_x_mesh().disable_x_axis().draw()?;
     for (name, color, from) in BARS {
         let ms = |case: &SessionCase| {

@@ -1,6 +1,7 @@
 //! Parts that all charts share: the SVG, its colors, and legends with lines and boxes.
 
 use plotters::chart::SeriesLabelPosition;
+use plotters::coord::ranged1d::AsRangedCoord;
 use plotters::coord::{CoordTranslate, Shift};
 use plotters::prelude::*;
 
@@ -38,6 +39,33 @@ pub(crate) fn svg(
     Ok(svg)
 }
 
+/// Layout of a plot: sizes in pixels of its caption, its margin, and the labels below it and to its left.
+pub(crate) struct PlotLayout {
+    pub caption: u32,
+    pub margin: u32,
+    pub below: u32,
+    pub left: u32,
+}
+
+/// Two axes of a plot.
+pub(crate) type Axes<X, Y> = Cartesian2d<<X as AsRangedCoord>::CoordDescType, <Y as AsRangedCoord>::CoordDescType>;
+
+impl PlotLayout {
+    /// Begins a plot on `area` with the ranges of its axes.
+    pub fn plot<'a, 'b, X: AsRangedCoord, Y: AsRangedCoord>(
+        &self,
+        area: &'a Area<'b>,
+        caption: &str,
+        x: X,
+        y: Y,
+    ) -> Result<ChartContext<'a, SVGBackend<'b>, Axes<X, Y>>, Box<dyn std::error::Error>> {
+        let mut builder = ChartBuilder::on(area);
+        builder.caption(caption, ("sans-serif", self.caption)).margin(self.margin);
+        builder.x_label_area_size(self.below).y_label_area_size(self.left);
+        Ok(builder.build_cartesian_2d(x, y)?)
+    }
+}
+
 /// Draws the legend of a plot, in a box at `position`.
 pub(crate) fn key<'a, 'b: 'a, T: CoordTranslate>(
     plot: &mut ChartContext<'a, SVGBackend<'b>, T>,
@@ -46,6 +74,20 @@ pub(crate) fn key<'a, 'b: 'a, T: CoordTranslate>(
     let mut labels = plot.configure_series_labels();
     labels.position(position).background_style(WHITE.mix(0.85)).border_style(BLACK.mix(0.3));
     Ok(labels.draw()?)
+}
+
+/// Adds a line of text with a symbol to the legend of a plot, for no series.
+pub(crate) fn note<'a, 'b: 'a, T, E>(
+    plot: &mut ChartContext<'a, SVGBackend<'b>, T>,
+    text: &str,
+    symbol: impl Fn((i32, i32)) -> E + 'a,
+) -> ChartResult
+where
+    T: CoordTranslate,
+    E: IntoDynElement<'a, SVGBackend<'b>, (i32, i32)> + 'a,
+{
+    plot.draw_series(std::iter::empty::<Circle<T::From, i32>>())?.label(text).legend(symbol);
+    Ok(())
 }
 
 /// Returns the legend symbol of a line.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use image::RgbImage;
-use protocol::{Camera, ClientMessage, ServerMessage, ViewSource};
+use protocol::{ServerMessage, ViewSettings};
 use serde::Serialize;
 use stream::FrameHeader;
 
@@ -40,22 +40,17 @@ pub(crate) struct ShownFrame {
     pub bytes: usize,
 }
 
-/// Drags a control point in a circle, with one update per animation frame, until a frame shows the last update. Returns
-/// the measurements and the seconds.
-pub(crate) fn drag_in_a_circle(client: &mut Client, updates: u64) -> Result<(CircleDrag, f64), BenchError> {
+/// Drags a control point in a circle, with one update per animation frame, until a frame shows the last update.
+pub(crate) fn drag_in_a_circle(client: &mut Client, updates: u64) -> Result<CircleDrag, BenchError> {
     let circle = DragCircle::of(client)?;
-    let light = circle.light;
-    let (gesture, base_seq) = (GESTURE.to_owned(), client.welcome.seq);
-    client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
+    client.begin_gesture(GESTURE, circle.light)?;
     let mut drag = CircleDrag::default();
     let began = Instant::now();
     for update in 1..=updates {
-        let angle = std::f64::consts::TAU * update as f64 / updates as f64;
-        let command = circle.command(angle);
+        let command = circle.command(std::f64::consts::TAU * update as f64 / updates as f64);
         drag.sent.insert(update, Instant::now());
-        client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
-        let next = began + ANIMATION_FRAME * update as u32;
-        while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
+        client.update_gesture(GESTURE, update, command)?;
+        while let Some(left) = time_until(began + ANIMATION_FRAME * update as u32) {
             drag.take(client, left)?;
         }
     }
@@ -65,24 +60,14 @@ pub(crate) fn drag_in_a_circle(client: &mut Client, updates: u64) -> Result<(Cir
             return Err(BenchError::Silent { what: "the last update's frame", within: began.elapsed() });
         }
     }
-    Ok((drag, began.elapsed().as_secs_f64()))
+    drag.seconds = began.elapsed().as_secs_f64();
+    Ok(drag)
 }
 
 /// Opens a view and waits for its first lossless picture, so that no other frame is in flight.
-pub(crate) fn open_view(client: &mut Client, [width, height]: [u32; 2]) -> Result<(), BenchError> {
-    let camera: Camera = client.welcome.camera.clone();
-    client.send(&ClientMessage::OpenView {
-        source: ViewSource::Own(camera),
-        width,
-        height,
-        camera_revision: 1,
-        settings: None,
-        interaction: None,
-        stats: false,
-    })?;
-    client.wait_for("a first lossless picture", |incoming| {
-        matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
-    })
+pub(crate) fn open_view(client: &mut Client, size: [u32; 2], settings: Option<ViewSettings>) -> Result<(), BenchError> {
+    client.open_view(size, settings)?;
+    client.wait_until_settled("a first lossless picture")
 }
 
 /// State of a drag in progress, and its measurements.
@@ -97,6 +82,8 @@ pub(crate) struct CircleDrag {
     /// Milliseconds from each update to the frame that shows it.
     latencies_ms: Vec<f64>,
     pub shown: Vec<ShownFrame>,
+    /// Length of the drag.
+    pub seconds: f64,
     /// Picture to which all tiles so far have been decoded.
     pub picture: RgbImage,
 }
@@ -107,9 +94,7 @@ impl CircleDrag {
         match client.receive(timeout)? {
             Some(Incoming::Message(message)) => match *message {
                 ServerMessage::GestureState(state) => {
-                    if let Some(problem) = state.status.problem() {
-                        return Err(BenchError::Refused(problem.message.clone()));
-                    }
+                    BenchError::check(state.status.problem())?;
                     self.update_of.insert(state.live_revision, state.update);
                 }
                 ServerMessage::Error { message, .. } => return Err(BenchError::Refused(message)),
@@ -128,8 +113,7 @@ impl CircleDrag {
     }
 
     fn note(&mut self, header: &FrameHeader, bytes: usize, decode: Duration, decoded: Instant) {
-        let shows =
-            self.update_of.range(..=header.live_revision).next_back().map_or(0, |(_, update)| *update);
+        let shows = self.update_of.range(..=header.live_revision).next_back().map_or(0, |(_, update)| *update);
         if shows <= self.latest_shown {
             return;
         }
@@ -154,11 +138,11 @@ impl CircleDrag {
         Quantiles::of(self.latencies_ms.iter().copied())
     }
 
-    /// Returns the bytes of each frame, sorted ascending.
-    pub fn frame_bytes(&self) -> Vec<usize> {
+    /// Returns the median bytes of a frame; 0 if there is none.
+    pub fn frame_bytes_p50(&self) -> usize {
         let mut bytes: Vec<usize> = self.shown.iter().map(|shown| shown.bytes).collect();
         bytes.sort_unstable();
-        bytes
+        bytes.get(bytes.len() / 2).copied().unwrap_or(0)
     }
 }
 
@@ -169,6 +153,11 @@ pub(crate) fn decode(header: &FrameHeader, tiles: &Tiles, picture: &mut RgbImage
         *picture = RgbImage::new(size.0, size.1);
     }
     tiles.draw_on(picture)
+}
+
+/// Returns the time that is left until `end`; `None` if it has passed.
+pub(crate) fn time_until(end: Instant) -> Option<Duration> {
+    end.checked_duration_since(Instant::now()).filter(|left| !left.is_zero())
 }
 
 pub(crate) fn ms(duration: Duration) -> f64 {

@@ -5,7 +5,7 @@ use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
 use image::RgbImage;
-use protocol::{Actor, ClientMessage, PROTOCOL, ServerMessage, Welcome};
+use protocol::{Actor, ClientMessage, Command, EditResult, PROTOCOL, ServerMessage, ViewSettings, ViewSource, Welcome};
 use stream::{FrameHeader, FrameTile, HEADER_BYTES};
 use tungstenite::{Message, WebSocket};
 
@@ -29,6 +29,16 @@ pub enum Incoming {
     Message(Box<ServerMessage>),
     /// A complete frame: the header of its last tile, and all of its tiles.
     Frame(FrameHeader, Tiles),
+}
+
+impl Incoming {
+    /// Returns the message; `None` for a frame.
+    pub fn into_message(self) -> Option<ServerMessage> {
+        match self {
+            Self::Message(message) => Some(*message),
+            Self::Frame(..) => None,
+        }
+    }
 }
 
 /// Tiles of a frame, each an encoded picture file.
@@ -91,8 +101,7 @@ impl Client {
             match receive(&mut socket, ANSWER_WITHIN)? {
                 Some(Received::Text(message)) => match *message {
                     ServerMessage::Welcome(welcome) => {
-                        let coming = (0, Tiles::default());
-                        return Ok(Self { socket, partial_frame: coming, welcome: *welcome });
+                        return Ok(Self { socket, partial_frame: (0, Tiles::default()), welcome: *welcome });
                     }
                     ServerMessage::Error { message, .. } => return Err(BenchError::Refused(message)),
                     _ => {}
@@ -138,6 +147,51 @@ impl Client {
     /// Acknowledges a frame.
     pub fn ack(&mut self, header: &FrameHeader) -> Result<(), BenchError> {
         self.send(&ClientMessage::Ack { frame: header.frame })
+    }
+
+    /// Opens a view of the session's camera.
+    pub fn open_view(&mut self, [width, height]: [u32; 2], settings: Option<ViewSettings>) -> Result<(), BenchError> {
+        self.send(&ClientMessage::OpenView {
+            source: ViewSource::Own(self.welcome.camera.clone()),
+            width,
+            height,
+            camera_revision: 1,
+            settings,
+            interaction: None,
+            stats: false,
+        })
+    }
+
+    /// Receives until a lossless picture arrives, called `what` in the error if none does. Acknowledges frames.
+    pub fn wait_until_settled(&mut self, what: &'static str) -> Result<(), BenchError> {
+        self.wait_for(what, |incoming| {
+            matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
+        })
+    }
+
+    /// Begins a gesture on a light.
+    pub(crate) fn begin_gesture(&mut self, gesture: &str, light: u64) -> Result<(), BenchError> {
+        let base_seq = self.welcome.seq;
+        self.send(&ClientMessage::GestureBegin { gesture: gesture.into(), light, base_seq })
+    }
+
+    pub(crate) fn update_gesture(&mut self, gesture: &str, update: u64, command: Command) -> Result<(), BenchError> {
+        self.send(&ClientMessage::GestureUpdate { gesture: gesture.into(), update, command })
+    }
+
+    pub(crate) fn cancel_gesture(&mut self, gesture: &str) -> Result<(), BenchError> {
+        self.send(&ClientMessage::GestureCancel { gesture: gesture.into() })
+    }
+
+    /// Receives until an edit has its result. Acknowledges frames.
+    pub(crate) fn wait_for_edit(
+        &mut self,
+        mut is_wanted: impl FnMut(&EditResult) -> bool,
+    ) -> Result<EditResult, BenchError> {
+        self.wait_for("what became of an edit", |incoming| match incoming.into_message()? {
+            ServerMessage::EditResult(result) if is_wanted(&result) => Some(result),
+            _ => None,
+        })
     }
 
     /// Receives until `wanted` returns a value for what has arrived. Acknowledges frames.
@@ -205,15 +259,13 @@ fn receive(socket: &mut WebSocket<TcpStream>, timeout: Duration) -> Result<Optio
     // A timeout of zero means no timeout.
     socket.get_ref().set_read_timeout(Some(timeout.max(Duration::from_micros(1))))?;
     match socket.read() {
-        Ok(Message::Text(text)) => Ok(Some(Received::Text(Box::new(ServerMessage::parse(text.as_str())?)))),
+        Ok(Message::Text(text)) => Ok(Some(Received::Text(Box::new(protocol::parse_body(text.as_str())?)))),
         Ok(Message::Binary(bytes)) => {
             let header = FrameHeader::from_bytes(&bytes)?;
             Ok(Some(Received::Tile(header, bytes[HEADER_BYTES..].to_vec())))
         }
         Ok(_) => Ok(None),
-        Err(tungstenite::Error::Io(error))
-            if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
-        {
+        Err(tungstenite::Error::Io(error)) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
             Ok(None)
         }
         Err(error) => Err(error.into()),

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use light::{CheckedLight, Light, ParameterOwner, SceneBounds};
-use protocol::{Bounds, ClientMessage, Command, Document, PointParameter, ServerMessage, State};
+use protocol::{Bounds, ClientMessage, Command, Document, PointParameter, State};
 
 use crate::bent::bent_and_spot;
-use crate::{BenchError, Client, Incoming, ServerProcess};
+use crate::{BenchError, Client, ServerProcess};
 
 /// Index of the dragged control point. Every BendyLight has a third one.
 const DRAGGED_POINT: usize = 2;
@@ -101,8 +101,7 @@ pub(crate) fn ensure_bent_light(server: &ServerProcess) -> Result<bool, BenchErr
     let document = document(&client)?.clone();
     let mut lights = Vec::new();
     for placed in document.lights {
-        let light =
-            CheckedLight::try_from(placed.light).map_err(|why| BenchError::Refused(why.to_string()))?;
+        let light = CheckedLight::try_from(placed.light).map_err(|why| BenchError::Refused(why.to_string()))?;
         if light.light().owner() == ParameterOwner::Bendy {
             return Ok(false);
         }
@@ -113,9 +112,7 @@ pub(crate) fn ensure_bent_light(server: &ServerProcess) -> Result<bool, BenchErr
     };
     let (bent, _) = bent_and_spot(first.light(), reach_of(client.welcome.bounds))?;
     let removed = lights.iter().map(|(id, _)| Command::RemoveLight { light: *id });
-    for (number, command) in
-        [Command::AddLight { light: (&bent).into() }].into_iter().chain(removed).enumerate()
-    {
+    for (number, command) in [Command::AddLight { light: (&bent).into() }].into_iter().chain(removed).enumerate() {
         edit(&mut client, &format!("bench-bend-{number}"), command)?;
     }
     Ok(true)
@@ -125,14 +122,7 @@ pub(crate) fn ensure_bent_light(server: &ServerProcess) -> Result<bool, BenchErr
 fn edit(client: &mut Client, op_id: &str, command: Command) -> Result<(), BenchError> {
     let base_seq = client.welcome.seq;
     client.send(&ClientMessage::Edit { op_id: op_id.into(), base_seq, command })?;
-    let outcome = client.wait_for("what became of an edit", |incoming| match incoming {
-        Incoming::Message(message) => match *message {
-            ServerMessage::EditResult(result) if result.op_id == op_id => Some(result.outcome),
-            _ => None,
-        },
-        Incoming::Frame(..) => None,
-    })?;
-    outcome.problem().map_or(Ok(()), |problem| Err(BenchError::Refused(problem.message.clone())))
+    BenchError::check(client.wait_for_edit(|result| result.op_id == op_id)?.outcome.problem())
 }
 
 fn document(client: &Client) -> Result<&Document, BenchError> {
@@ -165,12 +155,7 @@ mod tests {
     fn in_the_vases_the_circle_has_a_radius_of_a_quarter() {
         let (key, posed) = vases();
         let circle = DragCircle::in_light(1, &key, posed.bounds());
-        assert!(
-            (circle.radius - 0.25).abs() < 0.25 * 1e-6,
-            "{} {}",
-            circle.radius,
-            0.25 / posed.half_extent.length()
-        );
+        assert!((circle.radius - 0.25).abs() < 0.25 * 1e-6, "{} {}", circle.radius, 0.25 / posed.half_extent.length());
         assert_eq!(circle.at(0.0), circle.start);
         let across = circle.at(std::f64::consts::PI) - circle.start;
         assert!((across - 2.0 * circle.radius * DVec3::Y).length() < 1e-12, "{across}");
@@ -202,15 +187,13 @@ mod tests {
     /// the frame benchmark.
     #[test]
     fn a_session_bends_the_light_that_frames_are_measured_by() {
-        let spot = Light::spot()
-            .with(TRANSLATION, DVec3::new(1.0, 16.0, 3.0))
-            .with(CONE_ANGLE, 20.0)
-            .with(RANGE, Some(9.0));
+        let spot =
+            Light::spot().with(TRANSLATION, DVec3::new(1.0, 16.0, 3.0)).with(CONE_ANGLE, 20.0).with(RANGE, Some(9.0));
         let (_, posed) = vases();
-        let told = reach_of(Bounds::of(&posed));
-        let off = |told: SceneBounds| {
+        let received = reach_of(Bounds::of(&posed));
+        let off = |received: SceneBounds| {
             let bent = |reach| bent_and_spot(&spot, reach).expect("it bends").0;
-            let (ours, frames) = (bent(told), bent(posed.bounds()));
+            let (ours, frames) = (bent(received), bent(posed.bounds()));
             assert_eq!(ours.points().len(), 5, "three segments");
             ours.points()
                 .iter()
@@ -218,8 +201,8 @@ mod tests {
                 .map(|(a, b)| (a.position - b.position).length())
                 .fold(0.0, f64::max)
         };
-        assert!(off(told) < 1e-12, "{}", off(told));
-        let planted = SceneBounds { center: told.center + 0.01, ..told };
+        assert!(off(received) < 1e-12, "{}", off(received));
+        let planted = SceneBounds { center: received.center + 0.01, ..received };
         assert!(off(planted) > 1e-12, "{}", off(planted));
     }
 }

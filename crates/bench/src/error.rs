@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use light::LightError;
-use protocol::FileError;
+use protocol::{FileError, Problem};
 use render::RenderError;
 use stream::StreamError;
 use thiserror::Error;
@@ -55,6 +55,19 @@ pub enum BenchError {
     Peer { script: PathBuf, python: PathBuf, reason: String },
     #[error("the chart cannot be drawn: {0}")]
     Chart(String),
+}
+
+impl BenchError {
+    /// Returns an error if the server refused for a `problem`.
+    pub(crate) fn check(problem: Option<&Problem>) -> Result<(), Self> {
+        problem.map_or(Ok(()), |problem| Err(Self::Refused(problem.message.clone())))
+    }
+}
+
+impl From<serde_json::Error> for BenchError {
+    fn from(error: serde_json::Error) -> Self {
+        Self::Refused(error.to_string())
+    }
 }
 
 impl From<tungstenite::Error> for BenchError {

@@ -82,11 +82,19 @@ impl Peers {
         self.scripts.len()
     }
 
-    /// Runs script `index` for `frames` frames in a process of its own.
-    pub(crate) fn run(&self, index: usize, frames: usize) -> Result<Vec<PeerTiming>, BenchError> {
-        let script = &self.scripts[index];
-        let failed =
-            |reason: String| BenchError::Peer { script: script.clone(), python: self.python.clone(), reason };
+    /// Runs each script once. Calls `begins` before each.
+    pub(crate) fn run_all(&self, frames: usize, mut begins: impl FnMut()) -> Result<Vec<PeerTiming>, BenchError> {
+        let mut lines = Vec::new();
+        for script in &self.scripts {
+            begins();
+            lines.extend(self.run(script, frames)?);
+        }
+        Ok(lines)
+    }
+
+    /// Runs a script for `frames` frames in a process of its own.
+    fn run(&self, script: &Path, frames: usize) -> Result<Vec<PeerTiming>, BenchError> {
+        let failed = |reason: String| BenchError::Peer { script: script.into(), python: self.python.clone(), reason };
         // Pictures that a script writes are discarded.
         let pictures = tempfile::tempdir()?;
         let done = Command::new(&self.python)
@@ -102,8 +110,7 @@ impl Peers {
             return Err(failed(said.lines().last().unwrap_or("it says nothing").trim().to_owned()));
         }
         let said = String::from_utf8_lossy(&done.stdout);
-        let lines: Vec<PeerTiming> =
-            said.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+        let lines: Vec<PeerTiming> = said.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
         if lines.is_empty() {
             return Err(failed("it printed no line of JSON with `name`, `version` and `ms_median`".into()));
         }
@@ -116,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_folder_of_peers_is_refused_with_what_to_do() {
+    fn a_folder_without_peers_is_refused_with_advice() {
         let folder = tempfile::tempdir().expect("a folder");
         let said = |python| Peers::find(folder.path(), python).map(|_| ()).expect_err("refused").to_string();
         assert!(said(None).contains("bench.py"), "{}", said(None));
@@ -127,22 +134,20 @@ mod tests {
         assert!(said(None).contains("--python"), "{}", said(None));
         let shell = Path::new("/bin/sh");
         let peers = Peers::find(folder.path(), Some(shell)).expect("found");
-        let lines = peers.run(0, 1).expect("measured");
+        let lines = peers.run_all(1, || {}).expect("measured");
         assert_eq!((lines.len(), lines[0].name.as_str(), lines[0].ms_median), (1, "peer", 4.0));
         says("echo broken >&2; exit 1");
-        assert!(peers.run(0, 1).expect_err("it failed").to_string().contains("broken"));
+        assert!(peers.run_all(1, || {}).expect_err("it failed").to_string().contains("broken"));
         says("echo nothing");
-        assert!(peers.run(0, 1).is_err());
+        assert!(peers.run_all(1, || {}).is_err());
     }
 
     #[test]
     fn a_peer_has_the_least_and_the_middle_of_its_runs() {
         let line = |name: &str, ms_median| PeerTiming { name: name.into(), version: "1".into(), ms_median };
         let lines = [line("b", 9.0), line("a", 2.0), line("b", 7.0), line("a", 5.0), line("b", 8.0)];
-        let found: Vec<_> = Peer::all(&lines)
-            .into_iter()
-            .map(|Peer { name, wall_ms, .. }| (name, wall_ms.min, wall_ms.p50))
-            .collect();
+        let found: Vec<_> =
+            Peer::all(&lines).into_iter().map(|Peer { name, wall_ms, .. }| (name, wall_ms.min, wall_ms.p50)).collect();
         let expected = [("b", 7.0, 8.0), ("a", 2.0, 2.0)];
         let expected = expected.map(|(name, min, median)| (name.to_owned(), min, median));
         assert_eq!(found, expected);

@@ -6,6 +6,9 @@ use std::process::{Child, Command, Stdio};
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
+use render::Backend;
+use tempfile::TempDir;
+
 use crate::BenchError;
 
 /// Longest time until the server has drawn with every pipeline: a software driver compiles for seconds, and other tests
@@ -46,6 +49,27 @@ impl ServerAddress {
         answer(request.content_type("application/json").send(body)?)
     }
 
+    /// Waits until every pipeline has drawn once.
+    pub fn wait_until_ready(&self) -> Result<(), BenchError> {
+        let until = Instant::now() + READY_WITHIN;
+        while Instant::now() < until {
+            if self.get("/readyz")?.status == 200 {
+                return Ok(());
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        Err(BenchError::Silent { what: "that it is ready", within: READY_WITHIN })
+    }
+
+    /// Returns the value of a counter or gauge of `/metrics`: the sum over all label sets that contain `labels`.
+    pub fn metric(&self, name: &str, labels: &str) -> Result<f64, BenchError> {
+        let text = self.get("/metrics")?.text();
+        let of_it = text.lines().filter(|line| {
+            line.strip_prefix(name).is_some_and(|rest| rest.starts_with(['{', ' ']) && rest.contains(labels))
+        });
+        Ok(of_it.filter_map(|line| line.rsplit(' ').next()?.parse::<f64>().ok()).sum())
+    }
+
     fn url(&self, path: &str) -> String {
         format!("http://{}{path}", self.host)
     }
@@ -60,6 +84,8 @@ impl ServerAddress {
 pub struct ServerProcess {
     child: Child,
     pub address: ServerAddress,
+    /// Folder of the data, if it is removed with the server.
+    folder: Option<TempDir>,
 }
 
 /// HTTP response.
@@ -82,20 +108,33 @@ impl ServerProcess {
     /// Starts `program serve` with the data folder `data` on a free port of the loopback interface, and waits until it
     /// listens.
     pub fn start(program: &Path, data: &Path, more: &[&str]) -> Result<Self, BenchError> {
-        let failed = |reason: String| BenchError::Start { program: program.display().to_string(), reason };
-        let mut child = Command::new(program)
-            .args(["serve", "--listen", "127.0.0.1:0", "--data"])
-            .arg(data)
-            .args(more)
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .spawn()
-            .map_err(|error| failed(error.to_string()))?;
+        let mut command = Command::new(program);
+        Self::spawn(command.args(["serve", "--listen", "127.0.0.1:0", "--data"]).arg(data).args(more))
+    }
+
+    /// Starts a server with new data, and waits until it is ready. The server selects the backend if `None`.
+    pub fn start_with_new_data(program: &Path, scene: &str, backend: Option<Backend>) -> Result<Self, BenchError> {
+        let folder = tempfile::tempdir()?;
+        // The server creates the folder, so that no other user can read it.
+        let data = folder.path().join("data");
+        let backend = backend.map_or("auto", Backend::name);
+        let mut server = Self::start(program, &data, &["--scene", scene, "--backend", backend])?;
+        server.folder = Some(folder);
+        server.wait_until_ready()?;
+        Ok(server)
+    }
+
+    /// Starts a server by a command, and waits until it listens.
+    pub fn spawn(command: &mut Command) -> Result<Self, BenchError> {
+        let program = command.get_program().display().to_string();
+        let failed = |reason: String| BenchError::Start { program: program.clone(), reason };
+        let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
+        let mut child = child.map_err(|error| failed(error.to_string()))?;
         let mut line = String::new();
         let stdout = child.stdout.take().ok_or_else(|| failed("it has no output".into()))?;
         BufReader::new(stdout).read_line(&mut line)?;
         match line.parse() {
-            Ok(address) => Ok(Self { child, address }),
+            Ok(address) => Ok(Self { child, address, folder: None }),
             Err(error) => {
                 // The process may have ended already. In both cases none is left running.
                 let _ = child.kill();
@@ -107,14 +146,7 @@ impl ServerProcess {
 
     /// Waits until every pipeline has drawn once.
     pub fn wait_until_ready(&self) -> Result<(), BenchError> {
-        let until = Instant::now() + READY_WITHIN;
-        while Instant::now() < until {
-            if self.get("/readyz")?.status == 200 {
-                return Ok(());
-            }
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        Err(BenchError::Silent { what: "that it is ready", within: READY_WITHIN })
+        self.address.wait_until_ready()
     }
 
     /// Requests `path` by GET, with the token.
@@ -127,13 +159,9 @@ impl ServerProcess {
         self.address.post(path, body)
     }
 
-    /// Returns the value of a counter or gauge of `/metrics`: the sum over all label sets that contain `labels`.
+    /// Returns the value of a metric, as [`ServerAddress::metric`].
     pub fn metric(&self, name: &str, labels: &str) -> Result<f64, BenchError> {
-        let text = self.get("/metrics")?.text();
-        let of_it = text.lines().filter(|line| {
-            line.strip_prefix(name).is_some_and(|rest| rest.starts_with(['{', ' ']) && rest.contains(labels))
-        });
-        Ok(of_it.filter_map(|line| line.rsplit(' ').next()?.parse::<f64>().ok()).sum())
+        self.address.metric(name, labels)
     }
 
     /// Process id, for signals.
@@ -158,6 +186,7 @@ impl Drop for ServerProcess {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
+        drop(self.folder.take());
     }
 }
 

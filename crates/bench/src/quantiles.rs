@@ -31,15 +31,7 @@ impl Quantiles {
 
     /// Makes quantiles of `count` values; `at(share)` returns the value that this share of all values does not exceed.
     pub fn from_shares(count: u64, at: impl Fn(f64) -> f64) -> Self {
-        Self {
-            count,
-            min: at(0.0),
-            p50: at(0.5),
-            p95: at(0.95),
-            p99: at(0.99),
-            p999: at(0.999),
-            max: at(1.0),
-        }
+        Self { count, min: at(0.0), p50: at(0.5), p95: at(0.95), p99: at(0.99), p999: at(0.999), max: at(1.0) }
     }
 
     /// Returns the ratio of each quantile to that of `other`.

@@ -1,7 +1,35 @@
 //! Meshes for the scenes of benchmarks.
 
-use glam::{DVec3, Vec3};
-use scene::Primitive;
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
+use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
+
+/// Base color of the scenes.
+pub(crate) const GREY: Vec4 = Vec4::new(0.7, 0.7, 0.7, 1.0);
+
+/// A mesh and its placement.
+pub(crate) struct PlacedPrimitive(pub Primitive, pub DAffine3);
+
+/// Makes a scene of meshes of one material.
+pub(crate) fn scene_of(material: Material, parts: impl IntoIterator<Item = PlacedPrimitive>) -> Scene {
+    let mut scene = Scene { materials: vec![material], ..Scene::default() };
+    for (mesh, PlacedPrimitive(primitive, parent_from_local)) in parts.into_iter().enumerate() {
+        scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
+        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
+    }
+    scene
+}
+
+/// Returns the camera that looks from a world position to another.
+pub(crate) fn camera(eye: DVec3, target: DVec3, yfov: f64, znear: f64) -> Camera {
+    let back = (eye - target).normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    Camera {
+        name: String::new(),
+        translation: eye,
+        rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
+        projection: Projection::Perspective { yfov, aspect_ratio: None, znear, zfar: None },
+    }
+}
 
 /// Returns a square of two triangles that face up, from -1 to 1 in x and z.
 pub(crate) fn square() -> Primitive {
@@ -67,12 +95,8 @@ pub(crate) fn vase(rings: u32) -> Primitive {
         let end_share = (polar.min(1.0 - polar) * 12.0).min(1.0);
         let out = around.normalize_or_zero();
         *position = (out * (wave(y) * end_share) + DVec3::Y * y).as_vec3();
-        *normal = if end_share < 1.0 {
-            DVec3::Y * on_ball.y.signum()
-        } else {
-            (out - DVec3::Y * slope(y)).normalize()
-        }
-        .as_vec3();
+        *normal = if end_share < 1.0 { DVec3::Y * on_ball.y.signum() } else { (out - DVec3::Y * slope(y)).normalize() }
+            .as_vec3();
     }
     made
 }

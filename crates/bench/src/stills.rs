@@ -5,11 +5,10 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use image::RgbImage;
-use protocol::ClientMessage;
 use render::Backend;
 use serde::Serialize;
 
-use crate::circle::{ANIMATION_FRAME, decode, ms, open_view};
+use crate::circle::{ANIMATION_FRAME, decode, ms, open_view, time_until};
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, Response, ServerProcess};
 
@@ -64,19 +63,14 @@ pub struct StillsBenchReport {
 /// Starts `program serve` with new data, drags in one session, and drags again while stills are rendered, each in a
 /// session of its own.
 pub fn run(program: &Path, options: &StillsBenchOptions) -> Result<StillsBenchReport, BenchError> {
-    let folder = tempfile::tempdir()?;
-    // The server creates the folder, so that no other user can read it.
-    let data = folder.path().join("data");
-    let backend = options.backend.map_or("auto", Backend::name);
-    let server = ServerProcess::start(program, &data, &["--scene", "demo:vases", "--backend", backend])?;
-    server.wait_until_ready()?;
+    let server = ServerProcess::start_with_new_data(program, "demo:vases", options.backend)?;
     for still in 0..options.stills {
         let session = format!(r#"{{"name": "{}", "scene": "demo:vases"}}"#, session_of(still));
         created(&server.post("/sessions", session.as_bytes())?)?;
     }
     let mut client = viewer(&server, options)?;
     let before = drag(&mut client, "before", options.drag)?;
-    let asked = Instant::now();
+    let requested = Instant::now();
     let stills = ask(&server, options);
     wait_for_turns(&server)?;
     let beside = drag(&mut client, "beside", options.drag)?;
@@ -87,7 +81,7 @@ pub fn run(program: &Path, options: &StillsBenchOptions) -> Result<StillsBenchRe
     for still in stills {
         still.join().map_err(|_| BenchError::Refused("a still's request panicked".into()))??;
     }
-    let all_finished_s = asked.elapsed().as_secs_f64();
+    let all_finished_s = requested.elapsed().as_secs_f64();
     let after = drag(&mut viewer(&server, options)?, "after", options.drag)?;
 
     let mean = |of: fn(&FramePace) -> f64| f64::midpoint(of(&before), of(&after));
@@ -105,7 +99,7 @@ pub fn run(program: &Path, options: &StillsBenchOptions) -> Result<StillsBenchRe
 /// Connects a client and waits until its view is at rest.
 fn viewer(server: &ServerProcess, options: &StillsBenchOptions) -> Result<Client, BenchError> {
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
-    open_view(&mut client, options.view)?;
+    open_view(&mut client, options.view, None)?;
     Ok(client)
 }
 
@@ -146,18 +140,13 @@ fn created(response: &Response) -> Result<(), BenchError> {
 /// Drags the control point of the demo in circles for `time`, and measures its frames.
 fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<FramePace, BenchError> {
     let circle = DragCircle::of(client)?;
-    let light = circle.light;
-    let base_seq = client.welcome.seq;
-    let gesture = gesture.to_owned();
-    client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
+    client.begin_gesture(gesture, circle.light)?;
     let (began, mut update) = (Instant::now(), 0);
     let (mut shown, mut picture) = (Vec::<Instant>::new(), RgbImage::new(0, 0));
     while began.elapsed() < time {
         update += 1;
-        let command = circle.command(0.05 * update as f64);
-        client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
-        let next = began + ANIMATION_FRAME * update as u32;
-        while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
+        client.update_gesture(gesture, update, circle.command(0.05 * update as f64))?;
+        while let Some(left) = time_until(began + ANIMATION_FRAME * update as u32) {
             if let Some(Incoming::Frame(header, tiles)) = client.receive(left)? {
                 decode(&header, &tiles, &mut picture)?;
                 client.ack(&header)?;
@@ -165,16 +154,13 @@ fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<FramePace,
             }
         }
     }
-    client.send(&ClientMessage::GestureCancel { gesture })?;
+    client.cancel_gesture(gesture)?;
     // The next drag begins with a view at rest.
-    client.wait_for("the lossless picture", |incoming| {
-        matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
-    })?;
+    client.wait_until_settled("the lossless picture")?;
     let until = began + time;
     // A gap that is still open at the end counts up to the end.
     let ends = shown.iter().skip(1).copied().chain([until]);
-    let mut gaps: Vec<f64> =
-        shown.iter().zip(ends).map(|(from, to)| ms(to.saturating_duration_since(*from))).collect();
+    let mut gaps: Vec<f64> = shown.iter().zip(ends).map(|(from, to)| ms(to.saturating_duration_since(*from))).collect();
     gaps.sort_by(f64::total_cmp);
     let (Some(usual), Some(longest)) = (gaps.get(gaps.len() / 2), gaps.last()) else {
         return Err(BenchError::Silent { what: "a frame of the drag", within: time });

@@ -38,7 +38,5 @@ pub fn run(args: &Args) -> Result<(), Error> {
     });
     bar.finish_and_clear();
     let Backup { sessions, records, files, bytes } = backed_up?;
-    Ok(print_answer(
-        &json!({"sessions": sessions, "records": records, "files": files, "bytes": bytes}).to_string(),
-    )?)
+    Ok(print_answer(&json!({"sessions": sessions, "records": records, "files": files, "bytes": bytes}).to_string())?)
 }

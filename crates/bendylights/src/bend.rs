@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use assets::LoadedScene;
-use cli::{print_answer, print_note};
+use cli::print_answer;
 use document::{BendRequest, DEFAULT_BEND_SEGMENTS};
 use glam::DVec3;
 use light::{CheckedLight, MAX_SEGMENTS, ParameterOwner};
@@ -14,7 +14,7 @@ use raycast::Bvh;
 use crate::error::{Error, no_such_light};
 use crate::files;
 use crate::render::open_scene;
-use crate::usage::whole_number_parser;
+use crate::usage::{print_notes, whole_number_parser};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -65,7 +65,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         (None, Some(loaded)) => {
             let (name, loaded) = (args.scene.clone().unwrap_or_default(), loaded.with_default_light());
             let light = of_scene(&name, &loaded, args.light.as_deref())?;
-            loaded.notes.iter().for_each(|note| print_note(&format!("note: {note}")));
+            print_notes(&loaded.notes);
             (name, light, Some(loaded.scene))
         }
         (None, None) => unreachable!("one of them is required"),
@@ -79,9 +79,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
         _ => {}
     }
     let Args { segments, cone_angle, toward, .. } = *args;
-    let asked = BendRequest { segments, range: None, cone_angle, toward };
-    let bending =
-        scene.map_or(asked, |scene| asked.filled_in_from_scene(light, &Bvh::new(scene::pose(scene))));
+    let request = BendRequest { segments, range: None, cone_angle, toward };
+    let bending = scene.map_or(request, |scene| request.filled_in_from_scene(light, &Bvh::new(scene::pose(scene))));
     let bendy = bending.bend(light).map_err(|reason| Error::BadLight { file, reason })?;
     Ok(print_answer(&light_file::to_json(&bendy))?)
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use ::drag::{Viewport, drag};
 use assets::LoadedScene;
-use cli::{LIMITS, print_answer, print_note};
+use cli::LIMITS;
 use light::CheckedLight;
 use protocol::drag_file::{Dragged, FileDrag, NameOrIndex};
 use raycast::Bvh;
@@ -13,7 +13,8 @@ use scene::{Camera, framing_camera};
 
 use crate::error::{Error, choices, no_such_light};
 use crate::files;
-use crate::render::open_scene_with_lights;
+use crate::render::{lights_from, open_scene_with_lights};
+use crate::usage::{print_notes, print_objects};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -56,35 +57,33 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let drags = files::read_drags(&args.drags)?;
-    let LoadedScene { scene, contents, notes, .. } =
-        open_scene_with_lights(&args.scene, args.lights.as_deref())?;
-    for note in &notes {
-        print_note(&format!("note: {note}"));
-    }
-    let whose_lights = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
+    let LoadedScene { scene, contents, notes, .. } = open_scene_with_lights(&args.scene, args.lights.as_deref())?;
+    print_notes(&notes);
+    let whose_lights = lights_from(&args.scene, args.lights.as_deref());
     let lights = contents.lights;
     let bvh = Bvh::new(scene::pose(scene));
     let file = args.drags.display().to_string();
     let objects: Result<Vec<String>, Error> = drags
         .iter()
         .enumerate()
-        .map(|(index, asked)| {
+        .map(|(index, file_drag)| {
             let names = || lights.iter().map(|light| light.light().name());
             let find = |wanted: &NameOrIndex| {
                 wanted
-                    .place_in(names())
+                    .index_in(names())
                     .ok_or_else(|| no_such_light(whose_lights.clone(), &wanted.to_string(), names()))
             };
-            let light = find(&asked.light)?;
-            asked.pins.iter().flatten().try_for_each(|pin| find(&pin.light).map(|_| ()))?;
-            let view = viewport(&args.scene, &bvh, &contents.cameras, asked)?;
-            let view =
-                view.ok_or_else(|| Error::BadDrag { file: file.clone(), index, max_side: LIMITS.max_side })?;
-            let is_dragged = |wanted: &NameOrIndex| wanted.place_in(names()) == Some(light);
-            Ok(answered(&bvh, &view, &lights[light], asked, is_dragged))
+            let light = find(&file_drag.light)?;
+            file_drag.pins.iter().flatten().try_for_each(|pin| find(&pin.light).map(|_| ()))?;
+            if !file_drag.size.iter().all(|side| (1..=LIMITS.max_side).contains(side)) {
+                return Err(Error::BadDrag { file: file.clone(), index, max_side: LIMITS.max_side });
+            }
+            let view = viewport(&args.scene, &bvh, &contents.cameras, file_drag)?;
+            let is_dragged = |wanted: &NameOrIndex| wanted.index_in(names()) == Some(light);
+            Ok(answered(&bvh, &view, &lights[light], file_drag, is_dragged))
         })
         .collect();
-    Ok(print_answer(&format!("[{}]", objects?.join(",\n ")))?)
+    Ok(print_objects(&objects?)?)
 }
 
 /// Executes a drag, and returns its result as JSON.
@@ -92,31 +91,26 @@ fn answered(
     bvh: &Bvh,
     view: &Viewport,
     light: &CheckedLight,
-    asked: &FileDrag,
+    file_drag: &FileDrag,
     is_dragged: impl Fn(&NameOrIndex) -> bool,
 ) -> String {
     let began = Instant::now();
-    let (domain, pins) = asked.to_domain(is_dragged);
-    let landing = drag(bvh, view, light, &domain);
+    let (domain, pins) = file_drag.to_domain(is_dragged);
+    let result = drag(bvh, view, light, &domain);
     let seconds = began.elapsed().as_secs_f64();
     let name = |node: usize| bvh.posed.scene.nodes[node].name.clone();
-    serde_json::to_string(&Dragged::new(&landing, &pins, name, seconds))
-        .expect("finite numbers and string keys")
+    serde_json::to_string(&Dragged::new(&result, &pins, name, seconds)).expect("finite numbers and string keys")
 }
 
-/// Returns the picture of a drag, or `None` if its size is out of range.
-fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &FileDrag) -> Result<Option<Viewport>, Error> {
+/// Returns the picture of a drag.
+fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &FileDrag) -> Result<Viewport, Error> {
     let [width, height] = drag.size;
-    let is_within = |side: u32| (1..=LIMITS.max_side).contains(&side);
-    if !(is_within(width) && is_within(height)) {
-        return Ok(None);
-    }
     let framing = || framing_camera(&bvh.posed.subject_bounds(), f64::from(width) / f64::from(height));
     let camera = match &drag.camera {
         None => cameras.first().cloned().unwrap_or_else(framing),
         Some(wanted) => {
             let names = || cameras.iter().map(|camera| camera.name.as_str());
-            let found = wanted.place_in(names()).map(|index| cameras[index].clone());
+            let found = wanted.index_in(names()).map(|index| cameras[index].clone());
             found.ok_or_else(|| Error::UnknownName {
                 whose: scene.into(),
                 what: "camera",
@@ -125,5 +119,5 @@ fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &FileDrag) -> Resu
             })?
         }
     };
-    Ok(Some(Viewport { camera, size: drag.size }))
+    Ok(Viewport { camera, size: drag.size })
 }

@@ -71,17 +71,13 @@ pub enum Error {
     #[error("{whose} has no {what} `{name}`: {choices}")]
     UnknownName { whose: String, what: &'static str, name: String, choices: String },
     /// Options of a picture are given, but no picture is requested.
-    #[error(
-        "--camera, --size, --samples and the like are of a picture: name one with --render, as PNG or EXR"
-    )]
+    #[error("--camera, --size, --samples and the like are of a picture: name one with --render, as PNG or EXR")]
     NoPicture,
     /// The AOV belongs to a light, but there is none.
     #[error("{scene}: has no light to show the {aov} of: name a light file with --lights")]
     NothingToShow { scene: String, aov: &'static str },
     /// The scene of a frame measurement is empty.
-    #[error(
-        "{0}: has no triangles and no light, so there is nothing to measure: name another scene with --scene"
-    )]
+    #[error("{0}: has no triangles and no light, so there is nothing to measure: name another scene with --scene")]
     NothingLit(String),
     /// The backend has no shadow maps, but an option sets them.
     #[error(
@@ -104,9 +100,7 @@ pub enum Error {
     #[error(transparent)]
     Reference(#[from] reference::ReferenceError),
     /// The server cannot listen on the address.
-    #[error(
-        "{address}: cannot be listened on ({reason}); choose another with --listen, or port 0 for a free one"
-    )]
+    #[error("{address}: cannot be listened on ({reason}); choose another with --listen, or port 0 for a free one")]
     CannotListen { address: String, reason: io::Error },
     /// The system provides no threads or signals.
     #[error("this system cannot run a server ({0}); check its limits on threads and files")]
@@ -148,9 +142,7 @@ pub enum Error {
     )]
     SolverWrong { wrong: u64, nan: u64 },
     /// The effect of one client on another exceeds a bound.
-    #[error(
-        "{rows}: bounds are missed; `missed` of each row says which, and `alone` beside `with` by how much"
-    )]
+    #[error("{rows}: bounds are missed; `missed` of each row says which, and `alone` beside `with` by how much")]
     BoundsMissed { rows: String },
     /// An answer or a file cannot be written.
     #[error(transparent)]
@@ -168,10 +160,7 @@ impl Error {
             | Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
             | Self::NoRuntime(_)
             | Self::Server(
-                ServerError::Data { .. }
-                | ServerError::Store(_)
-                | ServerError::Render(_)
-                | ServerError::Listen(_),
+                ServerError::Data { .. } | ServerError::Store(_) | ServerError::Render(_) | ServerError::Listen(_),
             )
             | Self::Render(RenderError::NoAdapter(_) | RenderError::DeviceLost(_) | RenderError::Gpu(_)) => 1,
             _ => 2,

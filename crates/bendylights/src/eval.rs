@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use cli::print_answer;
 use glam::DVec3;
 use light::{CheckedLight, Tube, TubeLocation};
 use protocol::point_file::WrittenPoint;
@@ -13,6 +12,7 @@ use scene::Scene;
 
 use crate::error::Error;
 use crate::render::open_scene;
+use crate::usage::print_objects;
 use crate::{files, gpu};
 
 #[derive(clap::Args)]
@@ -99,7 +99,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
             serde_json::to_string(&evaluation).expect("finite numbers and string keys")
         })
         .collect();
-    Ok(print_answer(&format!("[{}]", objects.join(",\n ")))?)
+    Ok(print_objects(&objects)?)
 }
 
 /// Parses a length.
@@ -127,12 +127,7 @@ impl Shadows {
     fn new(scene: Scene, light: &CheckedLight, precision: Option<f64>) -> Self {
         let posed = scene::pose(scene);
         let max_precision = MAX_PRECISION_SHARE * 2.0 * posed.half_extent.length();
-        Self {
-            linked: LinkedNodes::new(&posed, light),
-            reference: Reference::new(posed),
-            precision,
-            max_precision,
-        }
+        Self { linked: LinkedNodes::new(&posed, light), reference: Reference::new(posed), precision, max_precision }
     }
 
     /// Returns the distance that `point` may lie from the surface it was read from: half a unit of the last
@@ -143,19 +138,13 @@ impl Shadows {
     }
 
     /// Computes the visibility of the light from a point through the scene; `None` outside the light.
-    fn visibility(
-        &self,
-        tube: &Tube<f64>,
-        location: &TubeLocation,
-        written: &WrittenPoint,
-    ) -> Option<Visibility> {
+    fn visibility(&self, tube: &Tube<f64>, location: &TubeLocation, written: &WrittenPoint) -> Option<Visibility> {
         let inside = location.point.as_ref()?;
         let surface = self.reference.surface_near(written.position, self.precision(written));
         let point = surface.unwrap_or(written.position);
         // Always in double precision. At the light's rim the surface may lie just outside the light.
-        let place = tube.locate(point).point;
-        let node =
-            self.reference.occluding_node((tube, &self.linked), place.as_ref().unwrap_or(inside), point);
+        let coords = tube.locate(point).point;
+        let node = self.reference.occluding_node(tube, &self.linked, coords.as_ref().unwrap_or(inside), point);
         let occluder = node.map(|node| self.reference.bvh.posed.scene.nodes[node].name.clone());
         Some(Visibility { visible: occluder.is_none(), occluder })
     }

@@ -48,20 +48,19 @@ pub fn read_one_light(path: &Path) -> Result<Arc<CheckedLight>, Error> {
 
 /// Reads the world positions of a point file, or of standard input if `path` is `-`.
 pub fn read_points(path: &Path) -> Result<Vec<WrittenPoint>, Error> {
-    if path.as_os_str() == STDIN {
-        return parsed("standard input".into(), read_limited(io::stdin().lock()), point_file::parse);
-    }
-    let text = File::open(path).and_then(read_limited);
-    parsed(path.display().to_string(), text, point_file::parse)
+    read_file_or_stdin(path, point_file::parse)
 }
 
 /// Reads the drags of a drag file, or of standard input if `path` is `-`.
 pub fn read_drags(path: &Path) -> Result<Vec<FileDrag>, Error> {
+    read_file_or_stdin(path, drag_file::parse)
+}
+
+fn read_file_or_stdin<T>(path: &Path, parse: impl Fn(&str) -> Result<T, FileError>) -> Result<T, Error> {
     if path.as_os_str() == STDIN {
-        return parsed("standard input".into(), read_limited(io::stdin().lock()), drag_file::parse);
+        return parsed("standard input".into(), read_limited(io::stdin().lock()), parse);
     }
-    let text = File::open(path).and_then(read_limited);
-    parsed(path.display().to_string(), text, drag_file::parse)
+    parsed(path.display().to_string(), File::open(path).and_then(read_limited), parse)
 }
 
 /// Reads all of `source` as text. Returns `None` if it exceeds the limit.
@@ -72,9 +71,7 @@ fn read_limited(source: impl Read) -> io::Result<Option<String>> {
     if bytes.len() as u64 > limit {
         return Ok(None);
     }
-    String::from_utf8(bytes)
-        .map(Some)
-        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not UTF-8 text"))
+    String::from_utf8(bytes).map(Some).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
 fn parsed<T>(

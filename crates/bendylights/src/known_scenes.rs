@@ -19,8 +19,7 @@ pub fn is_demo(asset: &AssetHash) -> bool {
 /// returns `None`.
 pub fn load(assets: Option<&Assets>, asset: &AssetHash) -> Option<Scene> {
     let bytes = bytes_of(assets, asset)?;
-    let loaded =
-        ::assets::load_bytes(&bytes).inspect_err(|error| print_note(&format!("note: {asset}: {error}")));
+    let loaded = ::assets::load_bytes(&bytes).inspect_err(|error| print_note(&format!("note: {asset}: {error}")));
     Some(loaded.ok()?.scene)
 }
 

@@ -4,6 +4,7 @@ use cli::print_answer;
 use protocol::{Parameter, ParameterKind, parameter_table};
 
 use crate::error::Error;
+use crate::usage::{json_name, print_json};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -25,18 +26,14 @@ pub fn run(args: &Args, as_json: bool) -> Result<(), Error> {
         table.parameters.retain(|row| row.address.contains_key(owner));
     }
     if as_json {
-        return Ok(print_answer(
-            &serde_json::to_string_pretty(&table).expect("plain data with string keys"),
-        )?);
+        return Ok(print_json(&table)?);
     }
     let rows: Vec<[String; 5]> = table.parameters.iter().map(line).collect();
     let head = ["of", "name", "values", "default", "touches"].map(String::from);
-    let width =
-        |column: usize| rows.iter().chain([&head]).map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let width = |column: usize| rows.iter().chain([&head]).map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths: [usize; 5] = std::array::from_fn(width);
     let text = |row: &[String; 5]| {
-        let cells: Vec<String> =
-            row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+        let cells: Vec<String> = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}")).collect();
         cells.join("  ").trim_end().to_owned()
     };
     let lines: Vec<String> = [&head].into_iter().chain(&rows).map(text).collect();
@@ -50,13 +47,9 @@ fn line(row: &Parameter) -> [String; 5] {
     let default = match (row.default.len(), &defaults[..]) {
         (_, []) => "-".into(),
         (_, [one]) => one.clone(),
-        _ => {
-            row.default.iter().map(|(owner, value)| format!("{owner} {value}")).collect::<Vec<_>>().join(", ")
-        }
+        _ => row.default.iter().map(|(owner, value)| format!("{owner} {value}")).collect::<Vec<_>>().join(", "),
     };
-    let touches = serde_json::to_value(row.touches).ok();
-    let touches = touches.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
-    [owners.join(", "), row.name.clone(), values(&row.kind), default, touches]
+    [owners.join(", "), row.name.clone(), values(&row.kind), default, json_name(row.touches)]
 }
 
 /// Formats the possible values of a parameter for people.

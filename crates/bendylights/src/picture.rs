@@ -109,9 +109,10 @@ impl PictureArgs {
             return Err(Error::NothingToShow { scene: scene.into(), aov: aov.name() });
         }
         let Some(wanted) = &self.light else { return Ok(0) };
-        lights.iter().position(|light| light.light.light().name() == *wanted).ok_or_else(|| {
-            no_such_light(whose.into(), wanted, lights.iter().map(|light| light.light.light().name()))
-        })
+        lights
+            .iter()
+            .position(|light| light.light.light().name() == *wanted)
+            .ok_or_else(|| no_such_light(whose.into(), wanted, lights.iter().map(|light| light.light.light().name())))
     }
 }
 
@@ -121,7 +122,8 @@ pub fn choose_camera(
     scene: &str,
     wanted: Option<&CameraChoice>,
     aspect: f64,
-    (reach, cameras): (&SceneBounds, &[Camera]),
+    reach: &SceneBounds,
+    cameras: &[Camera],
 ) -> Result<Camera, Error> {
     let wanted = match wanted {
         None => return Ok(cameras.first().cloned().unwrap_or_else(|| framing_camera(reach, aspect))),

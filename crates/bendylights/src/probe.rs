@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use assets::LoadedScene;
-use cli::{Size, print_answer, print_note};
+use cli::{Size, print_answer};
 use glam::DVec2;
-use protocol::{CameraChoice, ProbeState, Probed, ProbedLight, Vec3};
+use protocol::{CameraChoice, Probed, ProbedLight, Vec3};
 use raycast::Bvh;
 use reference::Reference;
 use scene::View;
@@ -15,6 +15,7 @@ use scene::View;
 use crate::error::Error;
 use crate::picture::choose_camera;
 use crate::render::{instances, open_scene_with_lights};
+use crate::usage::{json_name, print_notes};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -62,18 +63,14 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let LoadedScene { scene, contents, notes, .. } =
-        open_scene_with_lights(&args.scene, args.lights.as_deref())?;
-    for note in &notes {
-        print_note(&format!("note: {note}"));
-    }
+    let LoadedScene { scene, contents, notes, .. } = open_scene_with_lights(&args.scene, args.lights.as_deref())?;
+    print_notes(&notes);
     let lights = instances(contents.lights);
     let posed = scene::pose(scene);
     let Size { width, height } = args.size;
     let aspect = f64::from(width) / f64::from(height);
-    let places = (&posed.subject_bounds(), contents.cameras.as_slice());
     let wanted = args.camera.clone().map(CameraChoice::Named);
-    let camera = choose_camera(&args.scene, wanted.as_ref(), aspect, places)?;
+    let camera = choose_camera(&args.scene, wanted.as_ref(), aspect, &posed.subject_bounds(), &contents.cameras)?;
     let reference = Reference::for_point_queries(Arc::new(Bvh::new(posed)));
     let view = View::beauty(camera, [width, height]);
     let probe = reference.probe(&view, DVec2::new(args.x, args.y), &lights, &BTreeSet::new())?;
@@ -99,27 +96,16 @@ fn table(probed: &Probed) -> String {
 }
 
 fn row(light: &ProbedLight) -> String {
-    let state = match light.state {
-        ProbeState::Lit => "lit",
-        ProbeState::Disabled => "disabled",
-        ProbeState::Unlinked => "unlinked",
-        ProbeState::Outside => "outside",
-        ProbeState::Faded => "faded",
-        ProbeState::FacingAway => "facingAway",
-        ProbeState::Shadowed => "shadowed",
-    };
-    let place = light.place.map(|place| format!("{:.4} ({:.4}, {:.4})", place.t, place.v, place.w));
-    let length = light.place.and_then(|place| place.path_length).map(|length| format!("{length:.4}"));
+    let state = json_name(light.state);
+    let coords = light.place.map(|coords| format!("{:.4} ({:.4}, {:.4})", coords.t, coords.v, coords.w));
+    let length = light.place.and_then(|coords| coords.path_length).map(|length| format!("{length:.4}"));
     let caster = light.shadowed_by.as_ref();
     let why = caster.map(|caster| format!("{} at {}", caster.node, vector(caster.position)));
     let why = why.or(light.disabled_by.map(|by| format!("{by:?}").to_lowercase()));
-    let (place, length) = (place.unwrap_or_default(), length.unwrap_or_default());
+    let (coords, length) = (coords.unwrap_or_default(), length.unwrap_or_default());
     let share = 100.0 * light.share;
-    let line = format!(
-        "{:<20} {state:<10} {share:>5.1}%  {place:<24} {length:>10}  {}",
-        light.name,
-        why.unwrap_or_default()
-    );
+    let line =
+        format!("{:<20} {state:<10} {share:>5.1}%  {coords:<24} {length:>10}  {}", light.name, why.unwrap_or_default());
     line.trim_end().into()
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use assets::LoadedScene;
 use clap::ValueEnum;
-use cli::{LIMITS, print_note, progress};
+use cli::{LIMITS, progress};
 use document::SceneContents;
 use light::{CheckedLight, LightId, LightInstance, SceneBounds, Tube};
 use protocol::RenderRequest;
@@ -16,7 +16,7 @@ use scene::PosedScene;
 use crate::error::{Error, choices};
 use crate::picture::{PictureArgs, choose_camera};
 use crate::picture_files::{OutputPictures, PictureJob};
-use crate::usage::whole_number_parser;
+use crate::usage::{print_notes, whole_number_parser};
 use crate::{files, gpu};
 
 #[derive(clap::Args)]
@@ -83,12 +83,11 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
     let shadows = shadow_settings(args)?;
     let files = args.picture.files(&args.output)?;
-    let LoadedScene { scene, contents, mut notes, name } =
-        open_scene_with_lights(&args.scene, args.lights.as_deref())?;
+    let LoadedScene { scene, contents, mut notes, name } = open_scene_with_lights(&args.scene, args.lights.as_deref())?;
     let lights = instances(contents.lights);
     let request = RenderRequest::from(&args.picture);
-    let lights_of = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
-    let light = args.picture.choose_light(&args.scene, &lights_of, &lights)?;
+    let whose = lights_from(&args.scene, args.lights.as_deref());
+    let light = args.picture.choose_light(&args.scene, &whose, &lights)?;
     if lights.is_empty() {
         let shown = if request.fill == 0.0 { "nothing" } else { "the fill only" };
         notes.push(format!("there are no lights, so the picture shows {shown}; --lights names a light file"));
@@ -100,13 +99,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
         notes.extend(left_out(&posed.bounds(), &lights));
     }
     let (wanted, aspect) = (request.camera.as_ref(), request.framing_aspect());
-    let camera = choose_camera(&args.scene, wanted, aspect, (&posed.subject_bounds(), &contents.cameras))?;
+    let camera = choose_camera(&args.scene, wanted, aspect, &posed.subject_bounds(), &contents.cameras)?;
     let view = request.view(camera, light, LIMITS, ViewSlot::default());
-    for note in &notes {
-        print_note(&format!("note: {note}"));
-    }
-    let origin =
-        PictureOrigin { scene: name.or_else(|| Some(args.scene.clone())), ..PictureOrigin::default() };
+    print_notes(&notes);
+    let origin = PictureOrigin { scene: name.or_else(|| Some(args.scene.clone())), ..PictureOrigin::default() };
     let pictures = PictureJob { view, lights: &lights, wanted: args.picture.wanted(light, &lights), origin };
     match args.backend {
         PictureBackend::Gpu => draw(&posed, &pictures, shadows, &files),
@@ -125,13 +121,12 @@ fn shadow_settings(args: &Args) -> Result<ShadowSettings, Error> {
         mesh_error: args.shadow_mesh_error.unwrap_or(default.mesh_error),
         ..default
     };
-    match args.backend {
-        PictureBackend::Reference if args.shadow_resolution.is_some() => {
-            Err(Error::NoShadowMaps("--shadow-resolution"))
-        }
-        PictureBackend::Reference if args.shadow_mesh_error.is_some() => {
-            Err(Error::NoShadowMaps("--shadow-mesh-error"))
-        }
+    let given = [
+        (args.shadow_resolution.is_some(), "--shadow-resolution"),
+        (args.shadow_mesh_error.is_some(), "--shadow-mesh-error"),
+    ];
+    match (args.backend, given.into_iter().find(|(is_given, _)| *is_given)) {
+        (PictureBackend::Reference, Some((_, option))) => Err(Error::NoShadowMaps(option)),
         _ => Ok(settings),
     }
 }
@@ -205,6 +200,11 @@ pub fn open_scene_with_lights(name: &str, lights: Option<&Path>) -> Result<Loade
     let Some(file) = lights else { return Ok(loaded.with_default_light()) };
     let lights = files::read_lights(file)?;
     Ok(LoadedScene { contents: SceneContents { lights, ..loaded.contents }, ..loaded })
+}
+
+/// Returns the file or scene that the lights come from, for messages.
+pub fn lights_from(scene: &str, file: Option<&Path>) -> String {
+    file.map_or(scene.into(), |file| file.display().to_string())
 }
 
 /// Numbers lights by their index.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use cli::{LIMITS, print_answer, print_note};
+use cli::{LIMITS, print_answer};
 use document::{AssetHash, Document, EditError};
 use edit::ReplayError;
 use protocol::RenderRequest;
@@ -16,7 +16,7 @@ use crate::picture::{PictureArgs, choose_camera};
 use crate::picture_files::{OutputPictures, PictureJob};
 use crate::render::{draw, left_out};
 use crate::resolve::Resolver;
-use crate::usage::whole_number_parser;
+use crate::usage::{print_notes, whole_number_parser};
 use crate::{files, known_scenes};
 
 #[derive(clap::Args)]
@@ -62,8 +62,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if args.render.is_none() && !args.picture.is_default() {
         return Err(Error::NoPicture);
     }
-    let files =
-        args.render.as_ref().map(|path| args.picture.files(std::slice::from_ref(path))).transpose()?;
+    let files = args.render.as_ref().map(|path| args.picture.files(std::slice::from_ref(path))).transpose()?;
     let assets = args.data.as_deref().map(Assets::open).transpose()?;
     let (log, bar) = files::open_log(&args.log)?;
     let start = Instant::now();
@@ -94,7 +93,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
                 known_scenes::load(assets.as_ref(), &scene.asset).ok_or_else(no_scene)?
             }
         };
-        draw_document(args, (document, replayed.session.seq()), scene, &files)?;
+        draw_document(args, document, replayed.session.seq(), scene, &files)?;
     }
     match replayed.first_difference {
         Some(how) => Err(Error::Differs { file: args.log.display().to_string(), how }),
@@ -121,7 +120,8 @@ pub fn no_scene(log: &Path, seq: u64, asset: AssetHash) -> Error {
 /// Draws the document after record `seq` into files.
 fn draw_document(
     args: &Args,
-    (document, seq): (&Document, u64),
+    document: &Document,
+    seq: u64,
     scene: Scene,
     files: &OutputPictures,
 ) -> Result<(), Error> {
@@ -130,12 +130,10 @@ fn draw_document(
     let request = RenderRequest::from(&args.picture);
     let cameras: Vec<_> = document.cameras().values().cloned().collect();
     let (wanted, aspect) = (request.camera.as_ref(), request.framing_aspect());
-    let camera = choose_camera(&log, wanted, aspect, (&posed.subject_bounds(), &cameras))?;
+    let camera = choose_camera(&log, wanted, aspect, &posed.subject_bounds(), &cameras)?;
     let light = args.picture.choose_light(&log, &log, &lights)?;
     let view = request.view(camera, light, LIMITS, ViewSlot::default());
-    for note in left_out(&posed.bounds(), &lights).into_iter().chain(args.picture.warning()) {
-        print_note(&format!("note: {note}"));
-    }
+    print_notes(left_out(&posed.bounds(), &lights).into_iter().chain(args.picture.warning()));
     let origin = PictureOrigin {
         name: Some(log),
         seq: Some(seq),

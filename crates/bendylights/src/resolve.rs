@@ -3,10 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use document::{
-    AssetHash, Command, CommandContext, Document, DragOutcome, EditError, SolvedDrag, execute_command,
-    solve_drag,
-};
+use document::{AssetHash, Command, CommandContext, Document, DragOutcome, EditError, execute_command, solve_drag};
 use drag::SOLVER;
 use edit::Session;
 use glam::DQuat;
@@ -51,7 +48,7 @@ impl<'a> Resolver<'a> {
         Self { assets, scene: None, resolved: ResolvedCounts::default(), missing: None }
     }
 
-    /// Visits a record. `after` is the session after it.
+    /// Solves the drags of a record again and counts the results. `after` is the session after the record.
     pub fn visit(&mut self, record: &Record, after: &Session) {
         if !holds_drag(&record.action) {
             return;
@@ -64,8 +61,7 @@ impl<'a> Resolver<'a> {
             return;
         }
         let commands = record.action.commands();
-        let is_drag =
-            |command: &Command| matches!(command, Command::DragFeature { .. } | Command::DragPoint { .. });
+        let is_drag = |command: &Command| matches!(command, Command::DragFeature { .. } | Command::DragPoint { .. });
         let drags = commands.iter().filter(|(command, _)| is_drag(command));
         let dragged: BTreeSet<LightId> = drags.filter_map(|(command, _)| command.light()).collect();
         self.resolved.drags += dragged.len();
@@ -89,12 +85,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Returns the document after `command`, whose drags are solved again; `None` if the scene is missing.
-    fn solve_again(
-        &mut self,
-        before: &Document,
-        command: &Command,
-        seq: u64,
-    ) -> Option<Result<Document, EditError>> {
+    fn solve_again(&mut self, before: &Document, command: &Command, seq: u64) -> Option<Result<Document, EditError>> {
         let solved = match command {
             Command::DragFeature { light, drag } => {
                 let bvh = match before.scene() {
@@ -104,13 +95,12 @@ impl<'a> Resolver<'a> {
                         None
                     })?,
                 };
-                Some(solve_drag(before, *light, drag, &bvh))
+                match solve_drag(before, *light, drag, &bvh) {
+                    Ok(solved) => Some(solved),
+                    Err(error) => return Some(Err(error)),
+                }
             }
             _ => None,
-        };
-        let solved: Option<SolvedDrag> = match solved.transpose() {
-            Ok(solved) => solved,
-            Err(error) => return Some(Err(error)),
         };
         let context = CommandContext { solved: solved.as_ref(), ..CommandContext::default() };
         Some(execute_command(before, command, context).map(|edited| edited.document))
@@ -128,8 +118,7 @@ impl<'a> Resolver<'a> {
     }
 
     fn compare(&mut self, again: &Document, logged: &Document, light: LightId, seq: u64) {
-        let of =
-            |document: &Document| document.lights().get(&light).map(|placed| placed.light.light().clone());
+        let of = |document: &Document| document.lights().get(&light).map(|placed| placed.light.light().clone());
         let (Some(again), Some(logged)) = (of(again), of(logged)) else { return };
         if again == logged {
             self.resolved.same += 1;
@@ -158,9 +147,8 @@ impl<'a> Resolver<'a> {
 
 /// Returns true if the action has a command that a solver executes.
 fn holds_drag(action: &Action) -> bool {
-    let is_drag = |command: &WireCommand| {
-        matches!(command, WireCommand::DragFeature { .. } | WireCommand::DragPoint { .. })
-    };
+    let is_drag =
+        |command: &WireCommand| matches!(command, WireCommand::DragFeature { .. } | WireCommand::DragPoint { .. });
     match action {
         Action::Edit { command, .. } | Action::Gesture { command, .. } => is_drag(command),
         Action::Group { edits, .. } => edits.iter().any(|edit| is_drag(&edit.command)),

@@ -86,10 +86,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         backend: args.backend.wanted(),
     };
     let server = Server::open(&config)?;
-    let place = args
-        .public_url
-        .first()
-        .map_or_else(|| format!("http://{}", reachable(address)), PublicUrl::to_string);
+    let url = args.public_url.first().map_or_else(|| format!("http://{}", reachable(address)), PublicUrl::to_string);
     let StartSession { name, scene_already_there: kept } = server.session();
     let mut page = vec![];
     if args.token_file.is_none() {
@@ -97,13 +94,11 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
     if let Some(scene) = &args.scene {
         if let Some(kept) = kept {
-            print_note(&format!(
-                "note: session `{SESSION}` keeps {kept}; {scene} is served as session `{name}`"
-            ));
+            print_note(&format!("note: session `{SESSION}` keeps {kept}; {scene} is served as session `{name}`"));
         }
         page.push(format!("session={name}"));
     }
-    let page = if page.is_empty() { format!("{place}/") } else { format!("{place}/#{}", page.join("&")) };
+    let page = if page.is_empty() { format!("{url}/") } else { format!("{url}/#{}", page.join("&")) };
     let runtime = Runtime::new().map_err(Error::NoRuntime)?;
     let requests = server::request_runtime().map_err(Error::NoRuntime)?;
     let served = runtime.block_on(async {
@@ -114,7 +109,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         runtime.spawn(async move {
             // The last line of a service's journal, without the token.
             if is_warm.await {
-                tracing::info!("ready at {place}");
+                tracing::info!("ready at {url}");
             }
         });
         Ok(server.run(listener, requests.handle().clone(), stop).await?)

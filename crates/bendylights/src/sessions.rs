@@ -22,7 +22,7 @@ pub struct Args {
     /// Folder that `bendylights serve --data` was given
     #[arg(long, default_value = DATA, value_name = "DIR")]
     data: PathBuf,
-    /// Those that are archived too
+    /// List archived sessions too
     #[arg(long)]
     archived: bool,
 }

@@ -8,7 +8,8 @@ use std::str::FromStr;
 use clap::Parser;
 use clap::builder::TypedValueParser;
 use clap::error::ContextKind;
-use cli::print_to_stderr;
+use cli::{CliError, print_answer, print_note, print_to_stderr};
+use serde::Serialize;
 use serde_json::json;
 
 /// Default data folder of `bendylights serve` and of the commands that read it.
@@ -44,6 +45,27 @@ pub fn print_failure(why: &str, exit_code: u8, as_json: bool) {
     } else {
         print_to_stderr(&format!("error: {why}"));
     }
+}
+
+/// Prints an answer as JSON over several lines.
+pub fn print_json(answer: &impl Serialize) -> Result<(), CliError> {
+    print_answer(&serde_json::to_string_pretty(answer).expect("plain data with string keys"))
+}
+
+/// Prints an array of objects, each on a line of its own.
+pub fn print_objects(objects: &[String]) -> Result<(), CliError> {
+    print_answer(&format!("[{}]", objects.join(",\n ")))
+}
+
+/// Returns the name of a value in JSON.
+pub fn json_name(value: impl Serialize) -> String {
+    let name = serde_json::to_value(value).ok();
+    name.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned()
+}
+
+/// Prints notes on what a command does with its input.
+pub fn print_notes(notes: impl IntoIterator<Item = impl fmt::Display>) {
+    notes.into_iter().for_each(|note| print_note(&format!("note: {note}")));
 }
 
 /// Returns clap's message without the advice below it.
@@ -84,13 +106,11 @@ impl FromStr for ListenAddress {
             Some(("", port)) => ("127.0.0.1", port),
             Some(parts) => parts,
         };
-        let is_host = !host.contains(['/', ' '])
-            && (!host.contains(':') || host.starts_with('[') && host.ends_with(']'));
+        let is_host =
+            !host.contains(['/', ' ']) && (!host.contains(':') || host.starts_with('[') && host.ends_with(']'));
         match port.parse::<u16>() {
             Ok(port) if is_host => Ok(Self(format!("{host}:{port}"))),
-            _ => {
-                Err("write HOST:PORT, such as 127.0.0.1:8080 or [::1]:8080, or a port from 0 to 65535 alone")
-            }
+            _ => Err("write HOST:PORT, such as 127.0.0.1:8080 or [::1]:8080, or a port from 0 to 65535 alone"),
         }
     }
 }
@@ -110,9 +130,7 @@ mod tests {
         ] {
             assert_eq!(text.parse(), Ok(ListenAddress(expected.into())), "{text}");
         }
-        for text in
-            ["", "localhost", "0.0.0.0", "::1", "127.0.0.1:", "127.0.0.1:65536", "http://localhost:80", "1e3"]
-        {
+        for text in ["", "localhost", "0.0.0.0", "::1", "127.0.0.1:", "127.0.0.1:65536", "http://localhost:80", "1e3"] {
             assert!(text.parse::<ListenAddress>().is_err(), "{text}");
         }
     }

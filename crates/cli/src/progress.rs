@@ -28,8 +28,7 @@ pub fn progress(total: u64) -> ProgressBar {
         (false, false) => ProgressDrawTarget::term_like(Box::new(LineTerminal::default())),
     };
     let template = if is_terminal { "{bar:30} {percent} %{left} {msg}" } else { "{percent} %{left} {msg}" };
-    let style =
-        ProgressStyle::with_template(template).expect("a sound template").with_key("left", write_time_left);
+    let style = ProgressStyle::with_template(template).expect("a sound template").with_key("left", write_time_left);
     let bar = ProgressBar::with_draw_target((total > 0).then_some(total), target).with_style(style);
     bar.enable_steady_tick(REDRAW_INTERVAL);
     bar

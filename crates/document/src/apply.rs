@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use drag::RadiusMode;
-use light::{CheckedLight, Light, LightId, MAX_NAME_BYTES, ParameterOwner, SceneBounds, Setting};
+use light::{CheckedLight, Light, LightId, LightShape, MAX_NAME_BYTES, ParameterOwner, SceneBounds, Setting};
 use scene::Camera;
 
 use crate::bending::{BendRequest, reshape_change};
@@ -69,11 +69,7 @@ pub fn execute_command(
     Ok(CommandResult { changes, document: after, outcome: outcome.map(|solved| solved.outcome.clone()) })
 }
 
-fn changes_of(
-    document: &Document,
-    command: &Command,
-    context: CommandContext,
-) -> Result<Vec<Change>, EditError> {
+fn changes_of(document: &Document, command: &Command, context: CommandContext) -> Result<Vec<Change>, EditError> {
     Ok(match command {
         Command::LoadScene { asset, name } => load_scene(document, *asset, name, context.loaded)?,
         Command::AddLight(light) => vec![added_light(document.next_number(), light)],
@@ -103,7 +99,7 @@ fn changes_of(
             match drag::slide_point(&placed.light, *point, *position, radii) {
                 // The change of the dragged point comes first, since the description of a step names its first change.
                 Some(slid) => {
-                    let moved = point_move_changes((*id, placed), slid.light.light().points());
+                    let moved = point_move_changes(*id, placed, slid.light.light().points());
                     let (dragged, others): (Vec<_>, Vec<_>) =
                         moved.into_iter().partition(|change| change.overrides(&set));
                     [dragged, others].concat()
@@ -114,7 +110,7 @@ fn changes_of(
         Command::DragFeature { light: id, .. } => {
             let placed = light(document, *id)?;
             let solved = context.solved.ok_or_else(|| EditError::DragNotSolved(document.light_name(*id)))?;
-            feature_drag_changes(document, (*id, placed), solved)?
+            feature_drag_changes(document, *id, placed, solved)?
         }
         Command::AddPin(pin) => vec![pin_addition(document, pin)?],
         Command::RemovePin(id) => vec![pin_change(document, *id, |_| None)?],
@@ -126,12 +122,11 @@ fn changes_of(
             vec![renumbering_change(document, *light, bendy_light(document, *light)?, command)?]
         }
         Command::BendLight { light: id, segments, range, cone_angle, toward } => {
-            let bending =
-                BendRequest { segments: *segments, range: *range, cone_angle: *cone_angle, toward: *toward };
-            vec![reshape_change(document, (*id, light(document, *id)?), |straight| bending.bend(straight))?]
+            let bending = BendRequest { segments: *segments, range: *range, cone_angle: *cone_angle, toward: *toward };
+            vec![reshape_change(document, *id, light(document, *id)?, |straight| bending.bend(straight))?]
         }
         Command::StraightenLight(id) => {
-            vec![reshape_change(document, (*id, light(document, *id)?), light::straighten)?]
+            vec![reshape_change(document, *id, light(document, *id)?, light::straighten)?]
         }
         Command::AddCamera(camera) => {
             let id = CameraId(document.next_number());
@@ -142,8 +137,7 @@ fn changes_of(
         }
         Command::PlaceCamera { camera: id, translation, rotation } => {
             let now = camera(document, *id)?;
-            let parameters =
-                [translation.map(CameraParameter::Translation), rotation.map(CameraParameter::Rotation)];
+            let parameters = [translation.map(CameraParameter::Translation), rotation.map(CameraParameter::Rotation)];
             parameters.into_iter().flatten().map(|p| camera_change(*id, now, p)).collect()
         }
         Command::SetCamera { camera: id, parameter } => {
@@ -229,15 +223,14 @@ impl Document {
 
     /// Checks that the object that `change` touches is valid.
     fn check(&self, change: &Change) -> Result<(), EditError> {
-        let too_many = |what, limit| Err(EditError::TooMany { what, limit });
-        if self.lights.len() > MAX_LIGHTS {
-            return too_many("lights", MAX_LIGHTS);
-        }
-        if self.cameras.len() > MAX_CAMERAS {
-            return too_many("cameras", MAX_CAMERAS);
-        }
-        if self.pins.len() > MAX_PINS {
-            return too_many("pins", MAX_PINS);
+        for (what, count, limit) in [
+            ("lights", self.lights.len(), MAX_LIGHTS),
+            ("cameras", self.cameras.len(), MAX_CAMERAS),
+            ("pins", self.pins.len(), MAX_PINS),
+        ] {
+            if count > limit {
+                return Err(EditError::TooMany { what, limit });
+            }
         }
         if let Change::Pin { new: Some(pin), .. } = change {
             check_pin(pin)?;
@@ -267,13 +260,9 @@ impl Draft {
         }
         match change {
             Change::Scene { new, .. } => self.after.scene.clone_from(new),
-            Change::Light { light, new: Some(new), .. } => {
+            Change::Light { light, new, .. } => {
                 self.unchecked.remove(light);
-                self.after.lights.insert(*light, new.clone());
-            }
-            Change::Light { light, new: None, .. } => {
-                self.unchecked.remove(light);
-                self.after.lights.remove(light);
+                insert_or_remove(&mut self.after.lights, *light, new.as_ref());
             }
             Change::LightParameter { light, parameter, new, .. } => {
                 self.edit(*light, |light| light.set(Setting { parameter, value: new.clone() }));
@@ -293,18 +282,10 @@ impl Draft {
                     placed.layout = new.layout;
                 }
             }
-            Change::Camera { camera, new: Some(new), .. } => {
-                self.after.cameras.insert(*camera, new.clone());
+            Change::Camera { camera, new, .. } => {
+                insert_or_remove(&mut self.after.cameras, *camera, new.as_ref());
             }
-            Change::Camera { camera, new: None, .. } => {
-                self.after.cameras.remove(camera);
-            }
-            Change::Pin { pin, new: Some(new), .. } => {
-                self.after.pins.insert(*pin, new.clone());
-            }
-            Change::Pin { pin, new: None, .. } => {
-                self.after.pins.remove(pin);
-            }
+            Change::Pin { pin, new, .. } => insert_or_remove(&mut self.after.pins, *pin, new.as_ref()),
             Change::CameraParameter { camera, new, .. } => match self.after.cameras.get_mut(camera) {
                 Some(camera) => set_camera(camera, new),
                 None => return conflict(self),
@@ -339,6 +320,14 @@ impl Draft {
     }
 }
 
+/// Gives the object `id` its new value, or removes it if it has none.
+fn insert_or_remove<Id: Ord, T: Clone>(objects: &mut BTreeMap<Id, T>, id: Id, new: Option<&T>) {
+    match new {
+        Some(new) => objects.insert(id, new.clone()),
+        None => objects.remove(&id),
+    };
+}
+
 fn check_name(name: &str) -> Result<(), EditError> {
     let too_long = EditError::TooLong { field: "name", limit: MAX_NAME_BYTES };
     if name.len() <= MAX_NAME_BYTES { Ok(()) } else { Err(too_long) }
@@ -363,11 +352,11 @@ fn bendy_light(document: &Document, id: LightId) -> Result<&NumberedLight, EditE
 }
 
 fn wrong_shape<T>(document: &Document, id: LightId, what: &'static str) -> Result<T, EditError> {
-    let kind = match light(document, id)?.light.light().owner() {
-        ParameterOwner::Spot => "spotlight",
-        ParameterOwner::Directional => "directional light",
-        ParameterOwner::Omni => "omni light",
-        _ => "BendyLight",
+    let kind = match light(document, id)?.light.light().shape() {
+        LightShape::Spot => "spotlight",
+        LightShape::Directional => "directional light",
+        LightShape::Omni => "omni light",
+        LightShape::Bendy(_) => "BendyLight",
     };
     Err(EditError::WrongKind { light: document.light_name(id), kind, what })
 }
@@ -411,12 +400,7 @@ fn light_change(document: &Document, id: LightId, setting: Setting) -> Result<Ch
     }
 }
 
-fn point_change(
-    document: &Document,
-    id: LightId,
-    point: usize,
-    setting: Setting,
-) -> Result<Change, EditError> {
+fn point_change(document: &Document, id: LightId, point: usize, setting: Setting) -> Result<Change, EditError> {
     let Setting { parameter, value: new } = setting;
     let placed = bendy_light(document, id)?;
     if point == 0 && *parameter == *light::parameters::POSITION {

@@ -61,8 +61,7 @@ impl BendRequest {
                 (bvh.posed.half_extent.length() / libm::sin(cone_degrees.to_radians())).max(1.0)
             }
             // Bending refuses this light later, so any reach will do.
-            _ => light::as_spotlight(light, cone_degrees, toward, 1.0)
-                .map_or(1.0, |spot| axis_length(&spot, bvh)),
+            _ => light::as_spotlight(light, cone_degrees, toward, 1.0).map_or(1.0, |spot| axis_length(&spot, bvh)),
         };
         Self { range: Some(self.range.unwrap_or_else(reach)), toward, ..self }
     }
@@ -74,11 +73,7 @@ impl BendRequest {
         }
         let reach = self.range.unwrap_or_else(|| light.transform().scale);
         let cone_angle = self.cone_angle.unwrap_or(DEFAULT_CONE_DEGREES);
-        light::bend_with_length(
-            &light::as_spotlight(light, cone_angle, self.toward, reach)?,
-            self.segments,
-            reach,
-        )
+        light::bend_with_length(&light::as_spotlight(light, cone_angle, self.toward, reach)?, self.segments, reach)
     }
 }
 
@@ -88,16 +83,16 @@ pub fn fill_in_from_scene(command: Command, document: &Document, bvh: &Bvh) -> C
         return command;
     };
     let Some(placed) = document.lights.get(&id) else { return command };
-    let asked = BendRequest { segments, range, cone_angle, toward };
-    let BendRequest { segments, range, cone_angle, toward } =
-        asked.filled_in_from_scene(placed.light.light(), bvh);
+    let request = BendRequest { segments, range, cone_angle, toward };
+    let BendRequest { segments, range, cone_angle, toward } = request.filled_in_from_scene(placed.light.light(), bvh);
     Command::BendLight { light: id, segments, range, cone_angle, toward }
 }
 
 /// Changes the shape of a light under its id. Its control points get a new numbering.
 pub(crate) fn reshape_change(
     document: &Document,
-    (id, placed): (LightId, &NumberedLight),
+    id: LightId,
+    placed: &NumberedLight,
     reshape: impl FnOnce(&Light) -> Result<Light, LightError>,
 ) -> Result<Change, EditError> {
     let invalid = |reason| EditError::InvalidLight { light: document.light_name(id), reason };

@@ -1,14 +1,13 @@
 //! Changes: the effect of a command, each on one property, with its old and new value.
 
-use std::mem::discriminant;
+use std::mem::{discriminant, swap};
 
 use drag::DragRefusal;
 use light::{LightError, LightId, Parameter, ParameterTouches, UndrawableLight, Value};
 use thiserror::Error;
 
 use crate::{
-    AssetHash, CameraId, CameraParameter, ControlPoints, LightPin, NumberedLight, PinId, PointNumbering,
-    SceneRef,
+    AssetHash, CameraId, CameraParameter, ControlPoints, LightPin, NumberedLight, PinId, PointNumbering, SceneRef,
 };
 
 use scene::Camera;
@@ -190,22 +189,22 @@ impl Change {
     /// Returns the change with old and new value exchanged.
     #[must_use]
     pub fn inverse(&self) -> Self {
-        match self.clone() {
-            Self::Scene { old, new } => Self::Scene { old: new, new: old },
-            Self::Light { light, old, new } => Self::Light { light, old: new, new: old },
-            Self::LightParameter { light, parameter, old, new } => {
-                Self::LightParameter { light, parameter, old: new, new: old }
-            }
-            Self::Point { light, layout, point, parameter, old, new } => {
-                Self::Point { light, layout, point, parameter, old: new, new: old }
-            }
-            Self::ControlPoints { light, old, new } => Self::ControlPoints { light, old: new, new: old },
-            Self::Camera { camera, old, new } => Self::Camera { camera, old: new, new: old },
-            Self::Pin { pin, old, new } => Self::Pin { pin, old: new, new: old },
-            Self::CameraParameter { camera, old, new } => {
-                Self::CameraParameter { camera, old: new, new: old }
-            }
+        let mut inverse = self.clone();
+        match &mut inverse {
+            Self::Scene { old, new } => swap(old, new),
+            Self::Light { old, new, .. } => swap(old, new),
+            Self::LightParameter { old, new, .. } | Self::Point { old, new, .. } => swap(old, new),
+            Self::ControlPoints { old, new, .. } => swap(old, new),
+            Self::Camera { old, new, .. } => swap(old, new),
+            Self::Pin { old, new, .. } => swap(old, new),
+            Self::CameraParameter { old, new, .. } => swap(old, new),
         }
+        inverse
+    }
+
+    /// Returns the changes that take `changes` back.
+    pub fn inverses(changes: &[Self]) -> Vec<Self> {
+        changes.iter().rev().map(Self::inverse).collect()
     }
 
     /// Takes the new value of `later`, a change of the same property of a light or camera.
@@ -213,9 +212,7 @@ impl Change {
         match (self, later) {
             (Self::LightParameter { new, .. }, Self::LightParameter { new: later, .. })
             | (Self::Point { new, .. }, Self::Point { new: later, .. }) => new.clone_from(later),
-            (Self::CameraParameter { new, .. }, Self::CameraParameter { new: later, .. }) => {
-                new.clone_from(later);
-            }
+            (Self::CameraParameter { new, .. }, Self::CameraParameter { new: later, .. }) => new.clone_from(later),
             _ => {}
         }
     }
@@ -280,9 +277,7 @@ impl Change {
             Self::Scene { .. } => ParameterTouches::Scene,
             Self::Light { .. } | Self::ControlPoints { .. } => ParameterTouches::ShadowMap,
             Self::LightParameter { parameter, .. } | Self::Point { parameter, .. } => parameter.touches(),
-            Self::Camera { .. } | Self::CameraParameter { .. } | Self::Pin { .. } => {
-                ParameterTouches::Nothing
-            }
+            Self::Camera { .. } | Self::CameraParameter { .. } | Self::Pin { .. } => ParameterTouches::Nothing,
         }
     }
 
@@ -297,20 +292,14 @@ fn sentence(reason: DragRefusal) -> String {
     match reason {
         DragRefusal::NothingAtStart => "there is no surface where the drag begins: begin on one".into(),
         DragRefusal::NothingAtEnd => {
-            "there is no surface under the cursor, or its links leave that out: go to one that it lights"
-                .into()
+            "there is no surface under the cursor, or its links leave that out: go to one that it lights".into()
         }
         DragRefusal::OutsideTheLight => {
-            "the surface where the drag begins is not in its light or left out by its links: begin on another"
-                .into()
+            "the surface where the drag begins is not in its light or left out by its links: begin on another".into()
         }
-        DragRefusal::NoShadow => {
-            "it throws no shadow where the drag begins: begin in one of its shadows".into()
-        }
+        DragRefusal::NoShadow => "it throws no shadow where the drag begins: begin in one of its shadows".into(),
         DragRefusal::NotBendy => "it has no control points: drag it as a whole, or bend it first".into(),
-        DragRefusal::NoSuchPoint => {
-            "control points that can be dragged are 1 to the last: choose of those".into()
-        }
+        DragRefusal::NoSuchPoint => "control points that can be dragged are 1 to the last: choose of those".into(),
         DragRefusal::NoWeight => {
             "no control point that is chosen does anything where the drag begins: choose one that does".into()
         }

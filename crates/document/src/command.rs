@@ -163,10 +163,9 @@ impl Command {
     /// Returns true if the command refers to control points by index, and so to a numbering.
     pub fn uses_point_indices(&self) -> bool {
         match self {
-            Self::SetPoint { .. }
-            | Self::DragPoint { .. }
-            | Self::InsertPoint { .. }
-            | Self::RemovePoint { .. } => true,
+            Self::SetPoint { .. } | Self::DragPoint { .. } | Self::InsertPoint { .. } | Self::RemovePoint { .. } => {
+                true
+            }
             Self::DragFeature { drag, .. } => drag.points.is_some(),
             _ => false,
         }

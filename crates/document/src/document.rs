@@ -81,10 +81,8 @@ impl Document {
 
     /// Returns the lights for a renderer, in the order of their ids.
     pub fn light_instances(&self) -> Vec<LightInstance> {
-        let instance = |(id, placed): (&LightId, &NumberedLight)| LightInstance {
-            id: *id,
-            light: Arc::clone(&placed.light),
-        };
+        let instance =
+            |(id, placed): (&LightId, &NumberedLight)| LightInstance { id: *id, light: Arc::clone(&placed.light) };
         self.lights.iter().map(instance).collect()
     }
 
@@ -157,14 +155,13 @@ impl AssetHash {
 
     /// Returns the hash as 64 hexadecimal digits without the prefix.
     pub fn hex(&self) -> String {
-        self.to_string().split_off("sha256:".len())
+        const_hex::const_encode::<32, false>(&self.0).as_str().into()
     }
 }
 
 impl fmt::Display for AssetHash {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("sha256:")?;
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+        write!(f, "sha256:{}", self.hex())
     }
 }
 
@@ -176,23 +173,15 @@ impl fmt::Debug for AssetHash {
 
 /// Error for text that is not `sha256:` and 64 hexadecimal digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "an asset's name is `sha256:` and 64 hexadecimal digits: copy it from where the asset was made known"
-)]
+#[error("an asset's name is `sha256:` and 64 hexadecimal digits: copy it from where the asset was made known")]
 pub struct InvalidAssetHash;
 
 impl FromStr for AssetHash {
     type Err = InvalidAssetHash;
 
     fn from_str(text: &str) -> Result<Self, InvalidAssetHash> {
-        let digits = text.strip_prefix("sha256:").map(str::as_bytes).filter(|d| d.len() == 64);
-        let digits = digits.ok_or(InvalidAssetHash)?;
-        let value = |digit: u8| char::from(digit).to_digit(16).filter(|_| !digit.is_ascii_uppercase());
-        let mut bytes = [0; 32];
-        for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
-            let (high, low) = value(pair[0]).zip(value(pair[1])).ok_or(InvalidAssetHash)?;
-            *byte = (high * 16 + low) as u8;
-        }
-        Ok(Self(bytes))
+        let hash = text.strip_prefix("sha256:").and_then(|digits| const_hex::decode_to_array(digits).ok()).map(Self);
+        // Only as it is written: no capital digits, no `0x`.
+        hash.filter(|hash| hash.to_string() == text).ok_or(InvalidAssetHash)
     }
 }

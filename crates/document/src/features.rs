@@ -21,13 +21,8 @@ pub struct SolvedDrag {
 
 /// Solves a drag of the light `id` of `document` in its scene. It takes some hundredths of a second, and some seconds
 /// at most.
-pub fn solve_drag(
-    document: &Document,
-    id: LightId,
-    asked: &FeatureDrag,
-    bvh: &Bvh,
-) -> Result<SolvedDrag, EditError> {
-    solve_drag_budgeted(document, id, asked, bvh, &WorkBudget::new(&|_| true))
+pub fn solve_drag(document: &Document, id: LightId, request: &FeatureDrag, bvh: &Bvh) -> Result<SolvedDrag, EditError> {
+    solve_drag_budgeted(document, id, request, bvh, &WorkBudget::new(&|_| true))
 }
 
 /// Solves a drag as `solve_drag` does, and counts the steps in `work`. If `work` stops the drag, the result has no
@@ -35,12 +30,12 @@ pub fn solve_drag(
 pub fn solve_drag_budgeted(
     document: &Document,
     id: LightId,
-    asked: &FeatureDrag,
+    request: &FeatureDrag,
     bvh: &Bvh,
     work: &WorkBudget,
 ) -> Result<SolvedDrag, EditError> {
     let placed = document.lights.get(&id).ok_or(EditError::NoLight(id))?;
-    let FeatureDrag { feature, points, radii, view, from, to, source_outside } = asked.clone();
+    let FeatureDrag { feature, points, radii, view, from, to, source_outside } = request.clone();
     view.camera.check().map_err(EditError::InvalidCamera)?;
     if view.camera.name.len() > MAX_NAME_BYTES {
         return Err(EditError::TooLong { field: "name", limit: MAX_NAME_BYTES });
@@ -53,21 +48,20 @@ pub fn solve_drag_budgeted(
     }
     let (ids, pins): (Vec<_>, Vec<_>) = document.pins_of(id).map(|(id, pin)| (id, pin.clone())).unzip();
     let drag = Drag { feature, points, radii, from, to, pins, source_outside };
-    let landing = drag::drag_budgeted(bvh, &view, &placed.light, &drag, work);
+    let result = drag::drag_budgeted(bvh, &view, &placed.light, &drag, work);
     let name = |pin: usize| ids.get(pin).map_or(pin, |id| id.0 as usize);
-    let status = match landing.status {
+    let status = match result.status {
         DragStatus::Limited(DragLimit::Pin(pin)) => DragStatus::Limited(DragLimit::Pin(name(pin))),
         DragStatus::Refused(DragRefusal::PinDoesNotHold(pin)) => {
             DragStatus::Refused(DragRefusal::PinDoesNotHold(name(pin)))
         }
         status => status,
     };
-    let DragResult { light, residual_px, iterations, from_world, to_world, pivot_world, .. } = landing;
-    let shadowed_by = landing.shadowed_by.map(|node| bvh.posed.scene.nodes[node].name.clone());
+    let DragResult { light, residual_px, iterations, from_world, to_world, pivot_world, .. } = result;
+    let shadowed_by = result.shadowed_by.map(|node| bvh.posed.scene.nodes[node].name.clone());
     let (solver, version) = SOLVER;
-    let solver = solver.to_owned();
     let outcome = DragOutcome {
-        solver,
+        solver: solver.into(),
         version,
         status,
         residual_px,
@@ -83,7 +77,8 @@ pub fn solve_drag_budgeted(
 /// Returns the changes that give the document's light the placement or the control points of the solved light.
 pub(crate) fn feature_drag_changes(
     document: &Document,
-    (id, placed): (LightId, &NumberedLight),
+    id: LightId,
+    placed: &NumberedLight,
     solved: &SolvedDrag,
 ) -> Result<Vec<Change>, EditError> {
     if let DragStatus::Refused(reason) = solved.outcome.status {
@@ -101,5 +96,5 @@ pub(crate) fn feature_drag_changes(
         Some(Change::LightParameter { light: id, parameter, old, new })
     });
     // Changes of points that did not move have equal values and are dropped later.
-    Ok(placement.chain(point_move_changes((id, placed), moved.points())).collect())
+    Ok(placement.chain(point_move_changes(id, placed, moved.points())).collect())
 }

@@ -6,8 +6,8 @@ use std::mem::discriminant;
 use light::{LightId, SceneBounds};
 
 use crate::{
-    CameraId, Change, Command, CommandContext, CommandResult, ControlPoints, Document, DragOutcome,
-    EditError, NumberedLight, PinId, SolvedDrag, execute_command,
+    CameraId, Change, Command, CommandContext, ControlPoints, Document, DragOutcome, EditError, NumberedLight, PinId,
+    SolvedDrag, execute_command,
 };
 
 /// Command of a group, with the solution of its drag.
@@ -44,10 +44,9 @@ pub fn execute_group<'a>(
     for (index, GroupedCommand { command, solved }) in commands.into_iter().enumerate() {
         let context = CommandContext { scene_bounds: reach, loaded: None, solved: solved.as_ref() };
         let edited = execute_command(&draft, command, context).map_err(|error| (index, error))?;
-        let CommandResult { changes: more, document: after, outcome } = edited;
-        changes.extend(more);
-        outcomes.push(outcome);
-        draft = after;
+        changes.extend(edited.changes);
+        outcomes.push(edited.outcome);
+        draft = edited.document;
     }
     let changes = merge_changes(document, &draft, &changes);
     // Not the draft: it may have used numbers that are in no change, and a replay would not use them.
@@ -60,14 +59,19 @@ pub fn execute_group<'a>(
 fn merge_changes(before: &Document, after: &Document, changes: &[Change]) -> Vec<Change> {
     let camera = |change: &Change| match change {
         Change::Camera { camera, .. } | Change::CameraParameter { camera, .. } => Some(*camera),
-        _ => None,
+        // A change of an object that is neither a light, with its pins, nor a camera would be lost here.
+        Change::Scene { .. }
+        | Change::Light { .. }
+        | Change::LightParameter { .. }
+        | Change::Point { .. }
+        | Change::ControlPoints { .. }
+        | Change::Pin { .. } => None,
     };
     let lights: BTreeSet<LightId> = changes.iter().filter_map(Change::light).collect();
     let cameras: BTreeSet<CameraId> = changes.iter().filter_map(camera).collect();
     // The changes of a light and its pins are adjacent and are undone together: a pin needs its light.
     let of_lights = lights.into_iter().flat_map(|id| {
-        [merged_light_changes(id, [before, after], changes), merged_pin_changes(id, [before, after], changes)]
-            .concat()
+        [merged_light_changes(id, [before, after], changes), merged_pin_changes(id, [before, after], changes)].concat()
     });
     let of_cameras = cameras.into_iter().flat_map(|id| merged_camera_changes(id, [before, after], changes));
     // A scene is loaded alone and never in a group.
@@ -78,8 +82,7 @@ fn merged_light_changes(id: LightId, documents: [&Document; 2], changes: &[Chang
     let [old, new] = documents.map(|document| document.lights.get(&id));
     let is_own = |change: &&Change| change.light() == Some(id) && !matches!(change, Change::Pin { .. });
     let own = || changes.iter().filter(is_own);
-    let (Some(was), Some(is), false) = (old, new, own().any(|change| matches!(change, Change::Light { .. })))
-    else {
+    let (Some(was), Some(is), false) = (old, new, own().any(|change| matches!(change, Change::Light { .. }))) else {
         return vec![Change::Light { light: id, old: old.cloned(), new: new.cloned() }];
     };
     let points = |placed: &NumberedLight| ControlPoints {
@@ -93,8 +96,7 @@ fn merged_light_changes(id: LightId, documents: [&Document; 2], changes: &[Chang
 }
 
 fn merged_camera_changes(id: CameraId, documents: [&Document; 2], changes: &[Change]) -> Vec<Change> {
-    let is_parameter =
-        |change: &&Change| matches!(change, Change::CameraParameter { camera, .. } if *camera == id);
+    let is_parameter = |change: &&Change| matches!(change, Change::CameraParameter { camera, .. } if *camera == id);
     let comes_or_goes = |change: &Change| matches!(change, Change::Camera { camera, .. } if *camera == id);
     if changes.iter().any(comes_or_goes) {
         let [old, new] = documents.map(|document| document.cameras.get(&id).cloned());

@@ -27,7 +27,7 @@ pub struct DocumentHash(pub [u8; 32]);
 
 impl fmt::Display for DocumentHash {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+        f.write_str(const_hex::const_encode::<32, false>(&self.0).as_str())
     }
 }
 
@@ -61,11 +61,7 @@ impl Document {
         })
     }
 
-    fn hash_with(
-        &self,
-        mut walk: HashWriter,
-        light: impl Fn(&mut HashWriter, &NumberedLight),
-    ) -> DocumentHash {
+    fn hash_with(&self, mut walk: HashWriter, light: impl Fn(&mut HashWriter, &NumberedLight)) -> DocumentHash {
         match &self.scene {
             None => walk.tag(0),
             Some(scene) => {

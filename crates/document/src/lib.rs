@@ -30,8 +30,8 @@ pub use bending::{BendRequest, DEFAULT_BEND_SEGMENTS, axis_length, fill_in_from_
 pub use change::{Change, EditError};
 pub use command::{CameraParameter, Command};
 pub use document::{
-    AssetHash, CameraId, ControlPoints, Document, InvalidAssetHash, NumberedLight, PointNumbering,
-    SceneContents, SceneRef,
+    AssetHash, CameraId, ControlPoints, Document, InvalidAssetHash, NumberedLight, PointNumbering, SceneContents,
+    SceneRef,
 };
 pub use feature_drag::{DragOutcome, FeatureDrag};
 pub use features::{MAX_CHOSEN_POINTS, SolvedDrag, solve_drag, solve_drag_budgeted};

@@ -22,9 +22,7 @@ impl Document {
         let name = self.cameras().get(&id).map(|camera| camera.name.as_str());
         quoted(name.unwrap_or_default()).unwrap_or_else(|| format!("camera {id}"))
     }
-}
 
-impl Document {
     /// Returns the description of a pin, in quotes, as on the page: `“This shadow of blue vase”`.
     pub fn pin_name(&self, id: PinId) -> String {
         let Some(LightPin { pin, .. }) = self.pins().get(&id) else { return format!("pin {id}") };
@@ -69,8 +67,7 @@ impl Change {
                 name.unwrap_or_else(|| document.camera_name(*camera))
             }
             Self::Pin { .. } => {
-                let whose =
-                    self.light().map_or_else(String::new, |id| format!(" of {}", document.light_name(id)));
+                let whose = self.light().map_or_else(String::new, |id| format!(" of {}", document.light_name(id)));
                 format!("a pin{whose}")
             }
             Self::CameraParameter { camera, new, .. } => {
@@ -100,7 +97,13 @@ impl Change {
             Self::Light { new: None, .. } | Self::Camera { new: None, .. } | Self::Pin { new: None, .. } => {
                 format!("removing {subject}")
             }
-            _ => subject,
+            Self::Scene { .. }
+            | Self::LightParameter { .. }
+            | Self::Point { .. }
+            | Self::ControlPoints { .. }
+            | Self::Camera { .. }
+            | Self::CameraParameter { .. }
+            | Self::Pin { .. } => subject,
         }
     }
 

@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use light::{
-    LightId, MAX_NAME_BYTES, Parameter, ParameterKind, ParameterOf, ParameterOwner, ParameterTouches,
-};
+use light::{LightId, MAX_NAME_BYTES, Parameter, ParameterKind, ParameterOf, ParameterOwner, ParameterTouches};
 
 use crate::CameraId;
 

@@ -34,10 +34,8 @@ pub fn renumbering_change(
             } else {
                 InsertedPoint::Corner { at: point.min(count - 2) }
             };
-            let (new, spread) = (
-                set(with_inserted_point(points, near)),
-                set(with_inserted_point(points, InsertedPoint::Respaced)),
-            );
+            let (new, spread) =
+                (set(with_inserted_point(points, near)), set(with_inserted_point(points, InsertedPoint::Respaced)));
             // A bend at its limit has no room for another point. Spreading all points makes room.
             let folds = |points: &[ControlPoint]| is_invalid_with(placed.light.light(), points);
             if position.is_none() && folds(&new) && !folds(&spread) { spread } else { new }
@@ -57,7 +55,7 @@ pub fn renumbering_change(
 
 /// Makes the changes that move a light's control points to those of `moved`, with their radii. The source has no
 /// position to change.
-pub fn point_move_changes((light, placed): (LightId, &NumberedLight), moved: &[ControlPoint]) -> Vec<Change> {
+pub fn point_move_changes(light: LightId, placed: &NumberedLight, moved: &[ControlPoint]) -> Vec<Change> {
     let points = placed.light.light().points();
     let change = |point: usize, parameter: &'static Parameter| {
         let (old, new) = (points[point].value(parameter)?, moved.get(point)?.value(parameter)?);
@@ -80,9 +78,9 @@ enum InsertedPoint {
 }
 
 /// Inserts a control point into three or more.
-fn with_inserted_point(points: &[ControlPoint], place: InsertedPoint) -> Vec<ControlPoint> {
+fn with_inserted_point(points: &[ControlPoint], insertion: InsertedPoint) -> Vec<ControlPoint> {
     let mut more = points.to_vec();
-    match place {
+    match insertion {
         InsertedPoint::Between { at } if at == points.len() => {
             more.push(extrapolated_point(points[at - 2], points[at - 1]));
         }

@@ -32,32 +32,33 @@ pub(crate) fn hard_bound(value: f64, limit: DragLimit) -> Bound {
 /// Adds the limits that a point needs in order to receive light: light paths do not meet at the point, the point lies
 /// within the light's cross-section, and it lies between the light's ends.
 ///
-/// `fold` and `edge` are the names of the limits in a result. `give` is their softness. `room` is a distance by which
-/// the point may lie outside of the last two.
+/// `fold` and `edge` are the names of the limits in a result. `compliance` is their softness. `room` is a distance by
+/// which the point may lie outside of the last two.
 pub(crate) fn bounds_at(
     placed: &SceneLight,
-    place: &PointInLight,
-    ([fold, edge], give): ([DragLimit; 2], f64),
+    coords: &PointInLight,
+    [fold, edge]: [DragLimit; 2],
+    compliance: f64,
     room: f64,
     bounds: &mut Vec<Bound>,
 ) {
     bounds.extend([
-        Bound { value: place.path_spacing - MIN_PATH_SPACING, limit: fold, compliance: give },
-        Bound { value: 1.0 - EDGE_MARGIN - placed.rho2(place) + room, limit: edge, compliance: give },
-        Bound { value: place.distance_to_ends.min(1.0) + room, limit: edge, compliance: give },
+        Bound { value: coords.path_spacing - MIN_PATH_SPACING, limit: fold, compliance },
+        Bound { value: 1.0 - EDGE_MARGIN - placed.rho2(coords) + room, limit: edge, compliance },
+        Bound { value: coords.distance_to_ends.min(1.0) + room, limit: edge, compliance },
     ]);
 }
 
 /// Computes the distance along the light from the pivot to the point in its shadow, less the required margin. The unit
 /// is the point's `t` at the start of the drag.
-pub(crate) fn distance_behind(place: &PointInLight, pivot: &PointInLight, was: &PointInLight) -> f64 {
-    (place.t - pivot.t) / was.t.max(f64::MIN_POSITIVE) - PIVOT_MARGIN
+pub(crate) fn distance_behind(coords: &PointInLight, pivot: &PointInLight, was: &PointInLight) -> f64 {
+    (coords.t - pivot.t) / was.t.max(f64::MIN_POSITIVE) - PIVOT_MARGIN
 }
 
-/// Computes the distance between the light path at `across` and the point `place`, across the light. The unit is the
+/// Computes the distance between the light path at `across` and the point `coords`, across the light. The unit is the
 /// radius of the light at `was`.
-pub(crate) fn cross_error(across: DVec2, place: &PointInLight, was: &PointInLight) -> DVec2 {
-    (across - place.cross_coords) * (place.width / was.width)
+pub(crate) fn cross_error(across: DVec2, coords: &PointInLight, was: &PointInLight) -> DVec2 {
+    (across - coords.cross_coords) * (coords.width / was.width)
 }
 
 /// Computes the angle between the direction to the light and `direction`, in radians along two axes across `direction`.

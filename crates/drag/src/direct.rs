@@ -1,10 +1,10 @@
 //! Newton's method at the cursor, from several starting lights: for drags whose path to the cursor is closed.
 
 use crate::goal::{DIFFERENCE, Goal, TrackedPoints};
-use crate::matrix::length;
+use crate::matrix::{length, scaled_sum};
 use crate::moves::Unknowns;
 use crate::pins::PinState;
-use crate::quadratic::{RowSelection, Values, smallest_step};
+use crate::quadratic::{RowSelection, smallest_step};
 use crate::request::RadiusMode;
 use crate::scene_visibility::SceneVisibility;
 use crate::solve::solve;
@@ -36,14 +36,14 @@ const MAX_TANGENT_ROUNDS: usize = 4;
 pub(crate) fn other_solutions<'a>(
     goal: &'a Goal,
     near: &'a TrackedPoints,
-    sight: &'a SceneVisibility,
+    visibility: &'a SceneVisibility,
     known: [&'a [f64]; 2],
 ) -> impl Iterator<Item = Solution> + 'a {
     // If the search with soft pins fails from that light, the light itself counts, without soft pins.
     let firmly = move || {
         let has_soft = goal.pins.iter().any(|pin| !pin.is_hard);
-        let found = if has_soft { solve_with_pins(goal, near, sight, |pin| pin.is_hard) } else { None };
-        let softly = found.as_ref().and_then(|found| solve_from(goal, near, sight, found.iterate.x.clone()));
+        let found = has_soft.then(|| solve_with_pins(goal, near, visibility, |pin| pin.is_hard)).flatten();
+        let softly = found.as_ref().and_then(|found| solve_from(goal, near, visibility, found.iterate.x.clone()));
         softly.into_iter().chain(found)
     };
     let unmoved = vec![0.0; goal.unknowns.count()];
@@ -51,42 +51,40 @@ pub(crate) fn other_solutions<'a>(
     let known = known.into_iter().map(<[f64]>::to_vec);
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     let away = RESTART_DISTANCES.iter().map(move |size| {
-        (0..goal.unknowns.count())
-            .map(|k| size * random.next() * goal.unknowns.random_scale(k))
-            .collect::<Vec<f64>>()
+        (0..goal.unknowns.count()).map(|k| size * random.next() * goal.unknowns.random_scale(k)).collect::<Vec<f64>>()
     });
     let starts = std::iter::once(unmoved).chain(placed).chain(known).chain(away);
-    std::iter::once_with(firmly).flatten().chain(starts.filter_map(move |x| solve_from(goal, near, sight, x)))
+    std::iter::once_with(firmly).flatten().chain(starts.filter_map(move |x| solve_from(goal, near, visibility, x)))
 }
 
 /// Solves the drag with only those pins for which `is_kept` is true.
 pub(crate) fn solve_with_pins(
     goal: &Goal,
     near: &TrackedPoints,
-    sight: &SceneVisibility,
+    visibility: &SceneVisibility,
     is_kept: fn(&PinState) -> bool,
 ) -> Option<Solution> {
     let (mut goal, near) = goal.with_pins(near, is_kept);
-    solve(&mut goal, &near, sight)
+    solve(&mut goal, &near, visibility)
 }
 
 /// Solves the drag by Newton's method, starting from the light that the unknowns `x` give. `None` if that does not
 /// converge, or if the result violates a limit or pin.
-fn solve_from(goal: &Goal, near: &TrackedPoints, sight: &SceneVisibility, x: Vec<f64>) -> Option<Solution> {
+fn solve_from(goal: &Goal, near: &TrackedPoints, visibility: &SceneVisibility, x: Vec<f64>) -> Option<Solution> {
     let mut goal = goal.clone();
     goal.tangents.clear();
     let near = goal.tracked_at_end(&x, near);
-    let evaluation = goal.evaluate(&x, 1.0, &near)?;
-    let mut found = Solution { iterate: Iterate { x, evaluation }, strongest_limit: None, iterations: 0 };
+    let iterate = Iterate::new(&goal, x, 1.0, &near)?;
+    let mut found = Solution { iterate, strongest_limit: None, iterations: 0 };
     for _ in 0..MAX_TANGENT_ROUNDS {
         found.descend(&goal)?;
         found.shrink(&goal);
-        let cuts = sight.violated_tangents(&goal, &found.iterate.x, false);
-        if cuts.is_empty() {
-            return sight.violated_limit(&goal, &found.iterate.x).is_none().then_some(found);
+        let tangents = visibility.violated_tangents(&goal, &found.iterate.x, false);
+        if tangents.is_empty() {
+            return visibility.violated_limit(&goal, &found.iterate.x).is_none().then_some(found);
         }
-        goal.tangents.extend(cuts);
-        found.iterate.evaluation = goal.evaluate(&found.iterate.x, 1.0, &found.iterate.evaluation.tracked)?;
+        goal.tangents.extend(tangents);
+        found.iterate = found.iterate.at_share(&goal, 1.0)?;
     }
     None
 }
@@ -94,34 +92,26 @@ fn solve_from(goal: &Goal, near: &TrackedPoints, sight: &SceneVisibility, x: Vec
 impl Solution {
     /// Takes Newton steps that reduce the error. `None` if they do not converge.
     fn descend(&mut self, goal: &Goal) -> Option<()> {
-        let nowhere = vec![0.0; self.iterate.x.len()];
-        let mut before = Vec::new();
+        let unmoved = vec![0.0; self.iterate.x.len()];
+        let mut merits = Vec::new();
         for _ in 0..MAX_NEWTON_STEPS {
             if self.iterate.is_converged() {
                 return Some(());
             }
-            let off = self.iterate.merit();
-            if before.len() >= REDUCTION_STEPS
-                && off > REQUIRED_REDUCTION * before[before.len() - REDUCTION_STEPS]
-            {
+            let merit = self.iterate.merit();
+            if merits.len() >= REDUCTION_STEPS && merit > REQUIRED_REDUCTION * merits[merits.len() - REDUCTION_STEPS] {
                 return None;
             }
-            before.push(off);
+            merits.push(merit);
             self.iterations += 1;
             let linear = goal.linearize(&self.iterate.x, 1.0, &self.iterate.evaluation, DIFFERENCE);
-            let limits: Vec<f64> =
-                self.iterate.evaluation.bounds.iter().map(|bound| bound.value - 1e-12).collect();
-            let residual = &self.iterate.evaluation.residual;
-            let values = Values { residual, limits: &limits, counting: RowSelection::Firm };
-            let (step, _) = smallest_step(&nowhere, &linear, values, 1e-15 * objective_trace(&linear));
+            let values = self.iterate.evaluation.values(RowSelection::Firm);
+            let (step, _) = smallest_step(&unmoved, &linear, values, 1e-15 * objective_trace(&linear));
             let mut factor = (MAX_STEP / length(&step)).min(1.0);
             let better = (0..HALVINGS).find_map(|_| {
-                let x: Vec<f64> =
-                    self.iterate.x.iter().zip(&step).map(|(x, step)| x + factor * step).collect();
+                let x = scaled_sum(&self.iterate.x, &step, factor);
                 factor *= 0.5;
-                let evaluation = goal.evaluate(&x, 1.0, &self.iterate.evaluation.tracked)?;
-                let at = Iterate { x, evaluation };
-                (at.merit() < off || at.is_converged()).then_some(at)
+                self.iterate.moved_to(goal, x, 1.0).filter(|at| at.merit() < merit || at.is_converged())
             });
             self.iterate = better?;
         }

@@ -35,20 +35,12 @@ pub fn drag(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag) -> Dr
 }
 
 /// Drags a feature like [`drag`] and counts the steps in `work`. If `work` is cancelled, the result has no meaning.
-pub fn drag_budgeted(
-    bvh: &Bvh,
-    view: &Viewport,
-    light: &CheckedLight,
-    drag: &Drag,
-    work: &WorkBudget,
-) -> DragResult {
+pub fn drag_budgeted(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag, work: &WorkBudget) -> DragResult {
     let origin = bvh.posed.origin_in_world;
     let spend = |boxes| work.spend_on_rays(boxes);
-    let seen = |pixel: DVec2| {
-        bvh.visible_point_budgeted(&ViewRay::new(&view.camera, view.size, pixel, origin), spend)
-    };
+    let seen = |pixel: DVec2| bvh.visible_point_budgeted(&ViewRay::new(&view.camera, view.size, pixel, origin), spend);
     let (from, to) = (seen(drag.from), seen(drag.to));
-    let mut landing = DragResult {
+    let mut result = DragResult {
         status: DragStatus::Refused(DragRefusal::NothingAtStart),
         light: light.light().clone(),
         residual_px: f64::INFINITY,
@@ -59,21 +51,20 @@ pub fn drag_budgeted(
         pivot_world: None,
     };
     let occlusion = Occlusion::new(bvh, light, work);
-    match build_goal(&occlusion, bvh, light, drag, from, to) {
-        _ if work.is_exhausted() => limit_unmoved(&mut landing, drag),
-        Err(refusal) => landing.status = DragStatus::Refused(refusal),
+    match build_goal(&occlusion, light, drag, from, to) {
+        _ if work.is_exhausted() => limit_unmoved(&mut result, drag),
+        Err(refusal) => result.status = DragStatus::Refused(refusal),
         Ok((goal, taken, near)) => {
-            landing.pivot_world = taken.pivot.map(|pivot| pivot + origin);
-            solve_and_judge(bvh, &occlusion, (view, drag), (goal, &taken), &near, &mut landing);
+            result.pivot_world = taken.pivot.map(|pivot| pivot + origin);
+            solve_and_judge(&occlusion, view, drag, goal, &taken, &near, &mut result);
         }
     }
-    landing
+    result
 }
 
 /// Builds the goal of the drag and the values of `t` to track, or returns the reason to refuse the drag.
 fn build_goal<'a>(
     occlusion: &Occlusion<'a>,
-    bvh: &Bvh,
     light: &'a CheckedLight,
     drag: &Drag,
     from: Option<SeenPoint>,
@@ -84,45 +75,40 @@ fn build_goal<'a>(
     }
     let from = from.ok_or(DragRefusal::NothingAtStart)?;
     let to = to.ok_or(DragRefusal::NothingAtEnd)?;
-    let placed = SceneLight::new(light.rays(), bvh.posed.origin_in_world, from.position, occlusion.work);
-    let place = placed.locate(from.position, None).ok_or(DragRefusal::OutsideTheLight)?;
-    if placed.rho2(&place) > 1.0 || place.distance_to_ends < 0.0 || !occlusion.is_node_lit(from.node) {
+    let placed = SceneLight::new(light.rays(), occlusion.bvh.posed.origin_in_world, from.position, occlusion.work);
+    let coords = placed.locate(from.position, None).ok_or(DragRefusal::OutsideTheLight)?;
+    if !placed.contains(&coords) || !occlusion.is_node_lit(from.node) {
         return Err(DragRefusal::OutsideTheLight);
     }
     if !occlusion.is_node_lit(to.node) {
         return Err(DragRefusal::NothingAtEnd);
     }
     let caster = match drag.feature {
-        Feature::Shadow => Some(occlusion.first_caster(&placed, &place, &from).ok_or(DragRefusal::NoShadow)?),
+        Feature::Shadow => Some(occlusion.first_caster(&placed, &coords, &from).ok_or(DragRefusal::NoShadow)?),
         _ => None,
     };
-    let end = match drag.feature {
-        Feature::Highlight => to.mirror_direction(),
-        _ => to.normal,
-    };
-    let pins = drag.pins.iter().enumerate();
-    let pins = pins.map(|pin| PinState::new(occlusion, bvh, &placed, pin));
+    let pins = drag.pins.iter().enumerate().map(|(index, pin)| PinState::new(occlusion, &placed, index, pin));
     let pins: Vec<PinState> = pins.filter_map(Result::transpose).collect::<Result<_, _>>()?;
-    let mut near = vec![[place.t, caster.map_or(0.0, |caster| caster.t)]];
+    let mut near = vec![[coords.t, caster.map_or(0.0, |caster| caster.t)]];
     near.extend(pins.iter().map(PinState::start_t));
     let taken = TakenFeature {
         feature: drag.feature,
         from,
         to,
         pivot: caster.map(|caster| caster.position),
-        start_coords: place,
-        directions: [place.to_light, end],
+        start_coords: coords,
+        directions: [coords.to_light, drag.feature.target_direction(&to)],
     };
-    let moves = choose_unknowns(light, drag, from.position.distance(placed.source()))?;
-    let goal = Goal::new(Objective::Feature(Box::new(taken.clone())), (light, moves), placed, pins);
+    let unknowns = choose_unknowns(light, drag, from.position.distance(placed.source()))?;
+    let goal = Goal::new(Objective::Feature(Box::new(taken.clone())), light, unknowns, placed, pins);
     Ok((goal, taken, near))
 }
 
 /// Selects the unknowns of the drag. `unit` is the unit of length of a rigid motion, in world units.
 fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unknowns, DragRefusal> {
     let Some(points) = &drag.points else {
-        let comes_from_everywhere = matches!(light.rays(), LightRays::Parallel(_));
-        return Ok(if comes_from_everywhere { Unknowns::Turn } else { Unknowns::Rigid { unit } });
+        let is_directional = matches!(light.rays(), LightRays::Parallel(_));
+        return Ok(if is_directional { Unknowns::Turn } else { Unknowns::Rigid { unit } });
     };
     let all = light.light().points();
     if all.is_empty() {
@@ -138,40 +124,41 @@ fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unkno
     Ok(Unknowns::Points { points, radii: drag.radii, unit })
 }
 
-/// Solves the drag and writes the result to `landing`.
+/// Solves the drag and writes the result to `result`.
 fn solve_and_judge(
-    bvh: &Bvh,
     occlusion: &Occlusion,
-    (view, drag): (&Viewport, &Drag),
-    (mut goal, taken): (Goal, &TakenFeature),
+    view: &Viewport,
+    drag: &Drag,
+    mut goal: Goal,
+    taken: &TakenFeature,
     near: &TrackedPoints,
-    landing: &mut DragResult,
+    result: &mut DragResult,
 ) {
     let work = occlusion.work;
-    let sight = SceneVisibility { occlusion, source_outside: drag.source_outside };
-    let end = ResultJudge { bvh, view, drag, occlusion, taken };
-    let has_no_weight = goal.has_no_effect(near);
-    let first = if has_no_weight { None } else { solve(&mut goal, near, &sight) };
-    let unjudged = landing.clone();
+    let visibility = SceneVisibility { occlusion, source_outside: drag.source_outside };
+    let judge = ResultJudge { view, drag, occlusion, taken };
+    let has_no_effect = goal.has_no_effect(near);
+    let first = if has_no_effect { None } else { solve(&mut goal, near, &visibility) };
+    let unjudged = result.clone();
     match &first {
         _ if work.is_exhausted() => {}
-        _ if has_no_weight => landing.status = DragStatus::Refused(DragRefusal::NoWeight),
-        None => landing.status = DragStatus::Refused(DragRefusal::OutsideTheLight),
-        Some(first) => end.judge(&goal, first, landing),
+        _ if has_no_effect => result.status = DragStatus::Refused(DragRefusal::NoWeight),
+        None => result.status = DragStatus::Refused(DragRefusal::OutsideTheLight),
+        Some(first) => judge.judge(&goal, first, result),
     }
     if work.is_exhausted() {
-        *landing = end.judge_unfinished(&goal, first.as_ref(), &sight, unjudged);
+        *result = judge.judge_unfinished(&goal, first.as_ref(), &visibility, unjudged);
         return;
     }
     let Some(first) = first else { return };
-    if !matches!(landing.status, DragStatus::Limited(_)) || goal.pins.is_empty() {
+    if !matches!(result.status, DragStatus::Limited(_)) || goal.pins.is_empty() {
         return;
     }
-    let first_landing = landing.clone();
-    try_other_solutions(&goal, &first, near, &sight, &end, landing);
+    let first_landing = result.clone();
+    try_other_solutions(&goal, &first, near, &visibility, &judge, result);
     if work.is_exhausted() {
         // The first result holds.
-        *landing = DragResult { status: DragStatus::Limited(DragLimit::TooMuchWork), ..first_landing };
+        *result = DragResult { status: DragStatus::Limited(DragLimit::TooMuchWork), ..first_landing };
     }
 }
 
@@ -181,40 +168,38 @@ fn try_other_solutions(
     goal: &Goal,
     first: &Solution,
     near: &TrackedPoints,
-    sight: &SceneVisibility,
-    end: &ResultJudge,
-    landing: &mut DragResult,
+    visibility: &SceneVisibility,
+    judge: &ResultJudge,
+    result: &mut DragResult,
 ) {
     let lands = |found: &Solution| {
-        let mut landing = landing.clone();
-        end.judge(goal, found, &mut landing);
-        (landing.status == DragStatus::Landed).then_some(landing)
+        let mut result = result.clone();
+        judge.judge(goal, found, &mut result);
+        (result.status == DragStatus::Landed).then_some(result)
     };
-    let Some(free) = solve_with_pins(goal, near, sight, |_| false).filter(|free| lands(free).is_some())
-    else {
+    let Some(free) = solve_with_pins(goal, near, visibility, |_| false).filter(|free| lands(free).is_some()) else {
         return;
     };
-    let found = other_solutions(goal, near, sight, [&first.iterate.x, &free.iterate.x])
-        .find_map(|other| lands(&other));
+    let found =
+        other_solutions(goal, near, visibility, [&first.iterate.x, &free.iterate.x]).find_map(|other| lands(&other));
     if let Some(found) = found {
-        *landing = found;
-    } else if !matches!(landing.status, DragStatus::Limited(DragLimit::Pin(_)))
-        && let Some(limit) = sight.violated_limit(goal, &free.iterate.x)
+        *result = found;
+    } else if !matches!(result.status, DragStatus::Limited(DragLimit::Pin(_)))
+        && let Some(limit) = visibility.violated_limit(goal, &free.iterate.x)
     {
-        landing.status = DragStatus::Limited(limit);
+        result.status = DragStatus::Limited(limit);
     }
 }
 
 /// Writes the result of a drag that spent its budget and leaves the light as it was at the start.
-fn limit_unmoved(landing: &mut DragResult, drag: &Drag) {
-    landing.status = DragStatus::Limited(DragLimit::TooMuchWork);
-    landing.residual_px = drag.from.distance(drag.to);
+fn limit_unmoved(result: &mut DragResult, drag: &Drag) {
+    result.status = DragStatus::Limited(DragLimit::TooMuchWork);
+    result.residual_px = drag.from.distance(drag.to);
 }
 
 /// Judge of a light that the solver found. It checks the light with rays of its own and uses none of the solver's
 /// numbers.
 struct ResultJudge<'a> {
-    bvh: &'a Bvh,
     view: &'a Viewport,
     drag: &'a Drag,
     occlusion: &'a Occlusion<'a>,
@@ -230,7 +215,7 @@ impl ResultJudge<'_> {
         &self,
         goal: &Goal,
         found: Option<&Solution>,
-        sight: &SceneVisibility,
+        visibility: &SceneVisibility,
         unjudged: DragResult,
     ) -> DragResult {
         let work = self.occlusion.work;
@@ -239,11 +224,8 @@ impl ResultJudge<'_> {
         work.allow_judging();
         let goal = goal.with_edge_compliance(1.0);
         let holds = |found: &&Solution| {
-            let Iterate { x, evaluation } = &found.iterate;
-            let at_end = goal.evaluate(x, 1.0, &evaluation.tracked);
-            let is_allowed =
-                at_end.is_some_and(|evaluation| Iterate { x: x.clone(), evaluation }.is_feasible());
-            is_allowed && sight.violated_limit(&goal, x).is_none()
+            let is_feasible = found.iterate.at_share(&goal, 1.0).is_some_and(|at| at.is_feasible());
+            is_feasible && visibility.violated_limit(&goal, &found.iterate.x).is_none()
         };
         let Some(found) = found.filter(holds) else { return unmoved };
         let mut moved = unjudged;
@@ -257,35 +239,33 @@ impl ResultJudge<'_> {
         moved
     }
 
-    /// Judges a light that the solver found, and writes the result to `landing`.
-    fn judge(&self, goal: &Goal, found: &Solution, landing: &mut DragResult) {
-        let Self { bvh, view, drag, occlusion, taken } = self;
-        let Solution { iterate: Iterate { x, evaluation }, strongest_limit: held_by, iterations } = found;
+    /// Judges a light that the solver found, and writes the result to `result`.
+    fn judge(&self, goal: &Goal, found: &Solution, result: &mut DragResult) {
+        let Self { view, drag, occlusion, taken } = *self;
+        let Solution { iterate: Iterate { x, evaluation }, strongest_limit, iterations } = found;
         goal.work().spend(CHECK_COST_STEPS * goal.start.light().points().len() as u64);
-        landing.iterations += iterations;
+        result.iterations += iterations;
         let Ok(moved) = CheckedLight::new(goal.unknowns.light(goal.start.light(), x)) else {
-            landing.status = DragStatus::Limited(DragLimit::Fold);
+            result.status = DragStatus::Limited(DragLimit::Fold);
             return;
         };
-        landing.light = moved.light().clone();
+        result.light = moved.light().clone();
         let placed = goal.scene_light.with(moved.rays());
         let near = evaluation.tracked[0];
-        landing.residual_px = DraggedFeature { bvh, view, taken, placed: &placed }.distance_px(near, drag.to);
+        result.residual_px =
+            DraggedFeature { bvh: occlusion.bvh, view, taken, placed: &placed }.distance_px(near, drag.to);
         // If paths of a light overlap, the root that counts may differ from the tracked one.
         let counts = placed.locate(taken.to.position, None);
-        let is_the_one = |counts: Option<PointInLight>, followed: f64| {
-            counts.is_some_and(|counts| {
-                (counts.t - followed).abs() < SAME_POINT_TOLERANCE * (1.0 + followed.abs())
-            })
+        let is_tracked = |counts: Option<PointInLight>, tracked: f64| {
+            counts.is_some_and(|counts| (counts.t - tracked).abs() < SAME_POINT_TOLERANCE * (1.0 + tracked.abs()))
         };
-        let is_inside = is_the_one(counts, near[0])
-            && taken.pivot.is_none_or(|pivot| is_the_one(placed.locate(pivot, None), near[1]));
-        let first = counts.and_then(|place| occlusion.first_caster(&placed, &place, &taken.to));
-        let is_dark =
-            first.is_some() && counts.is_some_and(|place| occlusion.is_unlit(&placed, &place, &taken.to));
+        let is_inside = is_tracked(counts, near[0])
+            && taken.pivot.is_none_or(|pivot| is_tracked(placed.locate(pivot, None), near[1]));
+        let first = counts.and_then(|coords| occlusion.first_caster(&placed, &coords, &taken.to));
+        let is_dark = first.is_some() && counts.is_some_and(|coords| occlusion.is_unlit(&placed, &coords, &taken.to));
         let least_px = if taken.feature == Feature::Diffuse { 0.0 } else { CONVERGED_PX };
-        landing.status = if landing.residual_px > least_px {
-            DragStatus::Limited(held_by.unwrap_or(DragLimit::NoDescent))
+        result.status = if result.residual_px > least_px {
+            DragStatus::Limited(strongest_limit.unwrap_or(DragLimit::NoDescent))
         } else if !is_inside {
             DragStatus::Limited(DragLimit::TubeEdge)
         } else if taken.pivot.is_some() && !is_dark {
@@ -294,10 +274,9 @@ impl ResultJudge<'_> {
         } else {
             DragStatus::Landed
         };
-        landing.shadowed_by = None;
+        result.shadowed_by = None;
         let (Some(first), Some(pivot)) = (first, taken.pivot) else { return };
-        let is_the_pivot =
-            pivot.distance(first.position) < SAME_POINT_TOLERANCE * pivot.distance(taken.to.position);
-        landing.shadowed_by = (!is_the_pivot).then_some(first.node);
+        let is_the_pivot = pivot.distance(first.position) < SAME_POINT_TOLERANCE * pivot.distance(taken.to.position);
+        result.shadowed_by = (!is_the_pivot).then_some(first.node);
     }
 }

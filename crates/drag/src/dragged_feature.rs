@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use glam::{DMat2, DVec2, DVec3};
-use light::{CheckedLight, LightRays};
+use light::{CheckedLight, EndMode, LightRays};
 use raycast::{Bvh, SeenPoint};
 use scene::{ViewRay, pixel_of};
 
@@ -33,27 +33,18 @@ pub fn highlight_near(bvh: &Bvh, view: &Viewport, light: &CheckedLight, pixel: D
     let seen = bvh.visible_point(&ViewRay::new(&view.camera, view.size, pixel, origin))?;
     let work = WorkBudget::new(&|_| true);
     let placed = SceneLight::new(light.rays(), origin, seen.position, &work);
-    let place = placed.locate(seen.position, None)?;
-    let directions = [place.to_light, seen.mirror_direction()];
-    let near_t = place.t;
-    let taken = TakenFeature {
-        feature: Feature::Highlight,
-        from: seen,
-        to: seen,
-        pivot: None,
-        start_coords: place,
-        directions,
-    };
-    let centre =
-        DraggedFeature { bvh, view, taken: &taken, placed: &placed }.nearest_aligned_pixel(near_t, pixel)?;
+    let coords = placed.locate(seen.position, None)?;
+    let directions = [coords.to_light, seen.mirror_direction()];
+    let feature = Feature::Highlight;
+    let taken = TakenFeature { feature, from: seen, to: seen, pivot: None, start_coords: coords, directions };
+    let centre = DraggedFeature { bvh, view, taken: &taken, placed: &placed }.nearest_aligned_pixel(coords.t, pixel)?;
     // The center must lie in the picture, in the light and on the node under the pointer.
     let [width, height] = view.size.map(f64::from);
     let is_near = centre.distance(pixel) <= NEAR_HIGHLIGHT * width;
     let is_in_picture = (0.0..width).contains(&centre.x) && (0.0..height).contains(&centre.y);
-    let there = bvh.visible_point(&ViewRay::new(&view.camera, view.size, centre, origin))?;
-    let place = placed.locate(there.position, Some(near_t))?;
-    let is_lit = placed.rho2(&place) <= 1.0 && place.distance_to_ends >= 0.0;
-    (is_near && is_in_picture && is_lit && there.node == seen.node).then_some(centre)
+    let seen_at_centre = bvh.visible_point(&ViewRay::new(&view.camera, view.size, centre, origin))?;
+    let is_lit = placed.contains(&placed.locate(seen_at_centre.position, Some(coords.t))?);
+    (is_near && is_in_picture && is_lit && seen_at_centre.node == seen.node).then_some(centre)
 }
 
 /// Feature of a dragged light, in a view.
@@ -70,9 +61,9 @@ impl DraggedFeature<'_> {
     pub fn distance_px(&self, near: [f64; 2], cursor: DVec2) -> f64 {
         match self.taken.feature {
             Feature::Shadow | Feature::Hotspot => self.nearest_on_path_px(near, cursor),
-            Feature::Highlight | Feature::Diffuse => self
-                .nearest_aligned_pixel(near[0], cursor)
-                .map_or(f64::INFINITY, |pixel| pixel.distance(cursor)),
+            Feature::Highlight | Feature::Diffuse => {
+                self.nearest_aligned_pixel(near[0], cursor).map_or(f64::INFINITY, |pixel| pixel.distance(cursor))
+            }
         }
     }
 
@@ -89,22 +80,21 @@ impl DraggedFeature<'_> {
             let is_seen = seen.position.distance(*position) < 1e-6 * self.bvh.posed.half_extent.length();
             is_seen.then(|| pixel.distance(cursor))
         };
-        let Some(place) = self.placed.locate(self.taken.to.position, Some(near[0])) else {
+        let Some(coords) = self.placed.locate(self.taken.to.position, Some(near[0])) else {
             return f64::INFINITY;
         };
-        let met = self.surfaces_on_path(&place, across, after);
-        met.iter().filter_map(distance).fold(f64::INFINITY, f64::min)
+        let hits = self.surfaces_on_path(&coords, across, after);
+        hits.iter().filter_map(distance).fold(f64::INFINITY, f64::min)
     }
 
     /// Finds all surface points on the light path at `across` whose `t` is larger than `after`.
-    fn surfaces_on_path(&self, place: &PointInLight, across: DVec2, after: f64) -> Vec<DVec3> {
-        let met = RefCell::new(Vec::new());
+    fn surfaces_on_path(&self, coords: &PointInLight, across: DVec2, after: f64) -> Vec<DVec3> {
+        let hits = RefCell::new(Vec::new());
         let spend = |boxes| self.placed.work.spend_on_rays(boxes);
         let size = self.bvh.posed.half_extent.length();
         // Shadows fall on all surfaces, whatever the shadow links.
-        let is_solid = |triangle: usize, weights: DVec3| {
-            self.bvh.passes_alpha_test(&self.bvh.triangles[triangle], weights)
-        };
+        let is_solid =
+            |triangle: usize, weights: DVec3| self.bvh.passes_alpha_test(&self.bvh.triangles[triangle], weights);
         match self.placed.rays {
             LightRays::Bent(tube) => {
                 let path = self.bvh.bent_path(tube, across.x, across.y);
@@ -112,33 +102,30 @@ impl DraggedFeature<'_> {
                 let speed = 2.0 * last.d1.length() * tube.placement.world_per_tube;
                 // An extended light goes on past its end as far as the scene reaches.
                 let reach = 4.0 * (size + self.placed.source().length());
-                let t_end = tube.n as f64 + if tube.segments.len() > tube.n { reach / speed } else { 0.0 };
+                let t_end = tube.n as f64 + if tube.end_mode() == EndMode::Extend { reach / speed } else { 0.0 };
                 self.bvh.first_bent_hit_budgeted(&path, t_end, spend, |hit| {
                     if hit.t > after && is_solid(hit.triangle, hit.barycentrics) {
-                        met.borrow_mut().push(hit.position);
+                        hits.borrow_mut().push(hit.position);
                     }
                     false
                 });
             }
             rays => {
                 let point = self.taken.to.position;
-                let (from, level) = self.placed.straight_path(place, across, point, 4.0 * size);
-                let way = level - from;
-                let far = 4.0 * (size + from.length()) / way.length();
-                let t_of =
-                    |distance: f64| self.placed.locate(from + way * distance, None).map(|place| place.t);
+                let (from, level) = self.placed.straight_path(coords, across, point, 4.0 * size);
+                let ray = level - from;
+                let far = 4.0 * (size + from.length()) / ray.length();
+                let t_of = |distance: f64| self.placed.locate(from + ray * distance, None).map(|coords| coords.t);
                 let near = if matches!(rays, LightRays::Parallel(_)) { -far } else { 0.0 };
-                self.bvh.first_hit_budgeted(from, way, [near, far], spend, |hit| {
-                    if t_of(hit.distance).is_some_and(|t| t > after)
-                        && is_solid(hit.triangle, hit.barycentrics)
-                    {
-                        met.borrow_mut().push(from + way * hit.distance);
+                self.bvh.first_hit_budgeted(from, ray, [near, far], spend, |hit| {
+                    if t_of(hit.distance).is_some_and(|t| t > after) && is_solid(hit.triangle, hit.barycentrics) {
+                        hits.borrow_mut().push(from + ray * hit.distance);
                     }
                     false
                 });
             }
         }
-        met.into_inner()
+        hits.into_inner()
     }
 
     /// Finds the pixel whose surface receives light along the mirror direction or the normal, by Newton's method over
@@ -170,21 +157,16 @@ impl DraggedFeature<'_> {
     /// axes across it.
     fn direction_error(&self, pixel: DVec2, near_t: f64) -> Option<DVec2> {
         let seen = self.seen(pixel)?;
-        let place = self.placed.locate(seen.position, Some(near_t))?;
-        let wanted = match self.taken.feature {
-            Feature::Highlight => seen.mirror_direction(),
-            _ => seen.normal,
-        };
-        let (right, up) = wanted.any_orthonormal_pair();
-        (place.to_light.dot(wanted) > 0.0)
-            .then(|| DVec2::new(place.to_light.dot(right), place.to_light.dot(up)))
+        let coords = self.placed.locate(seen.position, Some(near_t))?;
+        let target = self.taken.feature.target_direction(&seen);
+        let (right, up) = target.any_orthonormal_pair();
+        (coords.to_light.dot(target) > 0.0).then(|| DVec2::new(coords.to_light.dot(right), coords.to_light.dot(up)))
     }
 
     fn seen(&self, pixel: DVec2) -> Option<SeenPoint> {
         let Viewport { camera, size } = self.view;
         let spend = |boxes| self.placed.work.spend_on_rays(boxes);
-        self.bvh
-            .visible_point_budgeted(&ViewRay::new(camera, *size, pixel, self.placed.origin_in_world), spend)
+        self.bvh.visible_point_budgeted(&ViewRay::new(camera, *size, pixel, self.placed.origin_in_world), spend)
     }
 
     fn pixel(&self, position: DVec3) -> Option<DVec2> {

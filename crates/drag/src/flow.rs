@@ -7,6 +7,7 @@
 //! off them.
 
 use crate::goal::{DIFFERENCE, Goal};
+use crate::matrix::{difference, length, scaled_sum};
 use crate::quadratic::{Linearization, RowSelection};
 use crate::step::{Iterate, Solution, length_between, objective_trace, restore_feasibility};
 
@@ -39,10 +40,10 @@ const MAX_FINAL_JUMP: f64 = 0.02;
 impl Solution {
     /// Follows the path in small, even steps as far as possible, and returns the share of the path that was covered.
     pub fn follow_path(&mut self, goal: &Goal) -> f64 {
-        let places = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
+        let samples = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
         let (mut share, mut steps) = (0.0, 0);
         while share < 1.0 && steps < MAX_PATH_STEPS {
-            let Some(reached) = self.advance(goal, share, (share + 1.0 / places).min(1.0)) else { break };
+            let Some(reached) = self.advance(goal, share, (share + 1.0 / samples).min(1.0)) else { break };
             (share, steps) = (reached, steps + 1);
         }
         share
@@ -58,28 +59,26 @@ impl Solution {
         if self.iterate.is_converged() {
             return true;
         }
-        let there =
-            self.newton_to(goal, 1.0, RowSelection::Firm).or_else(|| self.newton_along_joint(goal, 1.0));
-        let near_by = there.filter(|at| length_between(&at.x, &self.iterate.x) < MAX_FINAL_JUMP);
-        let is_there = near_by.is_some();
-        self.iterate = near_by.unwrap_or_else(|| self.iterate.clone());
-        is_there
+        let exact = self.newton_to(goal, 1.0, RowSelection::Firm).or_else(|| self.newton_along_joint(goal, 1.0));
+        let near_by = exact.filter(|at| length_between(&at.x, &self.iterate.x) < MAX_FINAL_JUMP);
+        let Some(at) = near_by else { return false };
+        self.iterate = at;
+        true
     }
 
     /// Takes a step from the share `from` of the path towards `to`, and returns the share reached. `None` if the light
     /// cannot be evaluated there.
     fn advance(&mut self, goal: &Goal, from: f64, to: f64) -> Option<f64> {
         self.iterations += 1;
-        let ahead = self.with_share(goal, to)?;
+        let ahead = self.iterate.at_share(goal, to)?;
         let linear = goal.linearize(&ahead.x, to, &ahead.evaluation, DIFFERENCE);
-        let wanted = self.damped_target(goal, &ahead, &linear);
-        let long = length_between(&wanted, &ahead.x) / MAX_STEP;
+        let target = self.damped_target(goal, &ahead, &linear);
         // A long path is taken in parts.
-        let (mut parts, mut longest) = (long.max(1.0), MAX_STEP);
+        let (mut parts, mut longest) = ((length_between(&target, &ahead.x) / MAX_STEP).max(1.0), MAX_STEP);
         let mut stepped = None;
         for _ in 0..=QUARTERINGS {
             let share = if parts > 1.0 { from + (to - from) / parts } else { to };
-            let here = self.with_share(goal, share)?;
+            let here = self.iterate.at_share(goal, share)?;
             let next = self.bounded_step(goal, share, &here, &linear, longest);
             let is_near = |next: &Iterate| {
                 next.objective_error() < MAX_STEP_ERROR.max(MAX_ERROR_GROWTH * self.iterate.objective_error())
@@ -96,21 +95,9 @@ impl Solution {
         Some(share)
     }
 
-    /// Evaluates the present unknowns with the feature's target at another share of the path.
-    fn with_share(&self, goal: &Goal, share: f64) -> Option<Iterate> {
-        let Iterate { x, evaluation } = &self.iterate;
-        Some(Iterate { x: x.clone(), evaluation: goal.evaluate(x, share, &evaluation.tracked)? })
-    }
-
     /// Computes the unknowns after a damped step from `at`, with the slopes of a linearization about a nearby point.
     fn damped_target(&mut self, goal: &Goal, at: &Iterate, linear: &Linearization) -> Vec<f64> {
-        self.step_target(
-            goal,
-            &at.x,
-            at,
-            linear,
-            (OBJECTIVE_COMPLIANCE * objective_trace(linear), RowSelection::All),
-        )
+        self.step_target(goal, &at.x, at, linear, OBJECTIVE_COMPLIANCE * objective_trace(linear), RowSelection::All)
     }
 
     /// Takes a step towards `target` that is at most `longest`, and restores the limits and hard pins.
@@ -122,10 +109,9 @@ impl Solution {
         linear: &Linearization,
         longest: f64,
     ) -> Option<Iterate> {
-        let mut x = self.damped_target(goal, at, linear);
-        let factor = (longest / length_between(&x, &at.x)).min(1.0);
-        x.iter_mut().zip(&at.x).for_each(|(x, was)| *x = was + factor * (*x - was));
-        let next = Iterate { evaluation: goal.evaluate(&x, share, &at.evaluation.tracked)?, x };
+        let step = difference(&self.damped_target(goal, at, linear), &at.x);
+        let factor = (longest / length(&step)).min(1.0);
+        let next = at.moved_to(goal, scaled_sum(&at.x, &step, factor), share)?;
         Some(restore_feasibility(goal, share, linear, &next, RowSelection::Fixed).unwrap_or(next))
     }
 }

@@ -7,14 +7,12 @@ use glam::{DVec2, DVec3};
 use light::{CheckedLight, LightRays, r_kappa_max_of_segments};
 use raycast::SeenPoint;
 
-use crate::bound::{
-    Bound, EDGE_MARGIN, bounds_at, cross_error, direction_error_about, distance_behind, hard_bound,
-};
+use crate::bound::{Bound, EDGE_MARGIN, bounds_at, cross_error, direction_error_about, distance_behind, hard_bound};
 use crate::matrix::Matrix;
 use crate::moves::{MAX_R_KAPPA, Unknowns};
 use crate::pins::{OcclusionTangent, PinState};
 use crate::point_in_light::{PointInLight, SceneLight};
-use crate::quadratic::{Hold, Linearization, Multipliers};
+use crate::quadratic::{Hold, Linearization, Multipliers, RowSelection, Values};
 use crate::request::{DragLimit, Feature, RadiusMode};
 use crate::work::WorkBudget;
 
@@ -100,6 +98,14 @@ pub(crate) struct Evaluation {
     pub tracked: TrackedPoints,
 }
 
+impl Evaluation {
+    /// Returns the values for a step that fulfils the selected residuals.
+    pub fn values(&self, counting: RowSelection) -> Values<'_> {
+        let limits = self.bounds.iter().map(|bound| bound.value - 1e-12).collect();
+        Values { residual: &self.residual, limits, counting }
+    }
+}
+
 impl TakenFeature {
     /// Returns the target of the feature at a share of the path: its position, and the direction to the light there.
     fn target(&self, share: f64) -> (DVec3, DVec3) {
@@ -114,36 +120,35 @@ impl TakenFeature {
         placed: &SceneLight,
         share: f64,
         near: [f64; 2],
-        (bounds, give): (&mut Vec<Bound>, f64),
+        bounds: &mut Vec<Bound>,
+        compliance: f64,
     ) -> Option<(DVec2, [f64; 2])> {
         let (point, direction) = self.target(share);
-        let place = placed.locate(point, Some(near[0]))?;
+        let coords = placed.locate(point, Some(near[0]))?;
         let room = EDGE_SLACK_ON_PATH * (1.0 - share);
-        bounds_at(placed, &place, ([DragLimit::Fold, DragLimit::TubeEdge], give), room, bounds);
-        let across_off = |across: DVec2| cross_error(across, &place, &self.start_coords);
+        bounds_at(placed, &coords, [DragLimit::Fold, DragLimit::TubeEdge], compliance, room, bounds);
         let mut pivot_t = near[1];
-        let off = match (self.feature, self.pivot) {
+        let error = match (self.feature, self.pivot) {
             (Feature::Shadow, Some(pivot)) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
                 // The caster must be in the light too.
                 let values = [
-                    distance_behind(&place, &pivot, &self.start_coords),
+                    distance_behind(&coords, &pivot, &self.start_coords),
                     pivot.distance_to_ends.min(1.0) - EDGE_MARGIN,
                 ];
-                bounds.extend(values.map(|value| Bound {
-                    value: value + room,
-                    limit: DragLimit::TubeEdge,
-                    compliance: give,
-                }));
-                across_off(pivot.cross_coords)
+                let limit = DragLimit::TubeEdge;
+                bounds.extend(values.map(|value| Bound { value: value + room, limit, compliance }));
+                cross_error(pivot.cross_coords, &coords, &self.start_coords)
             }
-            (Feature::Shadow | Feature::Hotspot, _) => -across_off(self.start_coords.cross_coords),
+            (Feature::Shadow | Feature::Hotspot, _) => {
+                -cross_error(self.start_coords.cross_coords, &coords, &self.start_coords)
+            }
             (Feature::Highlight | Feature::Diffuse, _) => {
-                direction_error_about(place.to_light, direction, self.axis())?
+                direction_error_about(coords.to_light, direction, self.axis())?
             }
         };
-        Some((off, [place.t, pivot_t]))
+        Some((error, [coords.t, pivot_t]))
     }
 
     /// Returns a unit vector orthogonal to the target direction at every share of the path.
@@ -158,9 +163,7 @@ impl TakenFeature {
         let across = self.from.position.distance(self.to.position) / self.start_coords.width;
         match self.feature {
             Feature::Shadow | Feature::Hotspot => across,
-            Feature::Highlight | Feature::Diffuse => {
-                libm::atan2(from.cross(to).length(), from.dot(to)).max(across)
-            }
+            Feature::Highlight | Feature::Diffuse => libm::atan2(from.cross(to).length(), from.dot(to)).max(across),
         }
     }
 }
@@ -168,7 +171,8 @@ impl TakenFeature {
 impl<'a> Goal<'a> {
     pub fn new(
         objective: Objective,
-        (start, unknowns): (&'a CheckedLight, Unknowns),
+        start: &'a CheckedLight,
+        unknowns: Unknowns,
         scene_light: SceneLight<'a>,
         pins: Vec<PinState>,
     ) -> Self {
@@ -189,45 +193,41 @@ impl<'a> Goal<'a> {
     }
 
     /// Copies the goal, and adds the equation that a tracked point stays at a joint of the tube.
-    pub fn at_joint(&self, joint: (usize, f64)) -> Self {
+    pub fn at_joint(&self, which: usize, t: f64) -> Self {
         let rows = self.rows.iter().copied().chain([Hold::Fixed]).collect();
-        Self { joint: Some(joint), rows, ..self.clone() }
+        Self { joint: Some((which, t)), rows, ..self.clone() }
     }
 
-    /// Copies the goal, and lets the point under the cursor leave the light at a cost. `give` is the softness of its
-    /// limits.
-    pub fn with_edge_compliance(&self, give: f64) -> Self {
-        Self { edge_compliance: give, ..self.clone() }
+    /// Copies the goal, and lets the point under the cursor leave the light at a cost. `edge_compliance` is the
+    /// softness of its limits.
+    pub fn with_edge_compliance(&self, edge_compliance: f64) -> Self {
+        Self { edge_compliance, ..self.clone() }
     }
 
     /// Evaluates the light that the unknowns `x` give, at a share of the path. `None` if the light cannot be evaluated.
     pub fn evaluate(&self, x: &[f64], share: f64, near: &TrackedPoints) -> Option<Evaluation> {
         let taken = match &self.objective {
             Objective::Feature(taken) => taken,
-            Objective::Position { point, to } => {
-                return self.evaluate_position(x, share, near, (*point, *to));
-            }
+            Objective::Position { point, to } => return self.evaluate_position(x, share, near, *point, *to),
         };
         let rays = self.rays(x)?;
         let placed = self.scene_light.with(&rays);
         let mut bounds = self.shape_bounds(&rays, x);
-        let mut followed = TrackedPoints::with_capacity(near.len());
-        let (off, at) =
-            taken.feature_residual(&placed, share, near[0], (&mut bounds, self.edge_compliance))?;
-        let mut residual = off.to_array().to_vec();
-        followed.push(at);
+        let mut tracked = TrackedPoints::with_capacity(near.len());
+        let (error, at) = taken.feature_residual(&placed, share, near[0], &mut bounds, self.edge_compliance)?;
+        let mut residual = error.to_array().to_vec();
+        tracked.push(at);
         for (pin, near) in self.pins.iter().zip(&near[1..]) {
-            let (at, place) = pin.add_residual(&placed, *near, &mut residual, &mut bounds)?;
-            followed.push(at);
-            for cut in self.tangents.iter().filter(|cut| cut.pin() == Some(pin.index)) {
-                bounds.push(cut.pin_bound(&placed, &place, pin)?);
+            let (at, coords) = pin.add_residual(&placed, *near, &mut residual, &mut bounds)?;
+            tracked.push(at);
+            for tangent in self.tangents.iter().filter(|tangent| tangent.pin() == Some(pin.index)) {
+                bounds.push(tangent.pin_bound(&placed, &coords, pin)?);
             }
         }
-        residual.extend(self.joint.map(|(which, t)| followed[0][which] - t));
-        bounds.extend(self.tangents.iter().filter_map(|cut| cut.source_bound(&placed)));
-        let is_finite =
-            residual.iter().chain(bounds.iter().map(|bound| &bound.value)).all(|value| value.is_finite());
-        is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, tracked: followed })
+        residual.extend(self.joint.map(|(which, t)| tracked[0][which] - t));
+        bounds.extend(self.tangents.iter().filter_map(|tangent| tangent.source_bound(&placed)));
+        let is_finite = residual.iter().chain(bounds.iter().map(|bound| &bound.value)).all(|value| value.is_finite());
+        is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, tracked })
     }
 
     /// Returns the rays of the light that the unknowns `x` give. `None` if the light cannot be evaluated or the budget
@@ -252,7 +252,8 @@ impl<'a> Goal<'a> {
         x: &[f64],
         share: f64,
         near: &TrackedPoints,
-        (point, to): (usize, DVec3),
+        point: usize,
+        to: DVec3,
     ) -> Option<Evaluation> {
         let points = self.start.light().points().len() as u64;
         if !self.work().spend(STEPS_OF_FOLLOWING * points) {
@@ -262,24 +263,17 @@ impl<'a> Goal<'a> {
         let touched = point.saturating_sub(2)..(point + 1).min(self.folds.len());
         let folds = r_kappa_max_of_segments(&moved, touched.clone()).ok()?;
         let bounds: Vec<Bound> = fold_bounds(&folds, &self.folds[touched]).collect();
-        let residual =
-            self.unknowns.position_error(self.start.light(), x, point, to, share).to_array().to_vec();
+        let residual = self.unknowns.position_error(self.start.light(), x, point, to, share).to_array().to_vec();
         let is_finite = residual.iter().chain(&folds).all(|value| value.is_finite());
         is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, tracked: near.clone() })
     }
 
     /// Copies the goal without the pins for which `is_kept` is false. Also returns the tracked points without those
     /// pins.
-    pub fn with_pins(
-        &self,
-        near: &TrackedPoints,
-        is_kept: impl Fn(&PinState) -> bool,
-    ) -> (Self, TrackedPoints) {
+    pub fn with_pins(&self, near: &TrackedPoints, is_kept: impl Fn(&PinState) -> bool) -> (Self, TrackedPoints) {
         let kept = self.pins.iter().zip(&near[1..]).filter(|(pin, _)| is_kept(pin));
-        let (pins, of_pins): (Vec<PinState>, TrackedPoints) =
-            kept.map(|(pin, near)| (pin.clone(), *near)).unzip();
-        let goal =
-            Self { rows: row_holds(&self.objective, &pins), pins, tangents: Vec::new(), ..self.clone() };
+        let (pins, of_pins): (Vec<PinState>, TrackedPoints) = kept.map(|(pin, near)| (pin.clone(), *near)).unzip();
+        let goal = Self { rows: row_holds(&self.objective, &pins), pins, tangents: Vec::new(), ..self.clone() };
         (goal, [vec![near[0]], of_pins].concat())
     }
 
@@ -289,7 +283,7 @@ impl<'a> Goal<'a> {
         let Some(rays) = self.rays(x) else { return near.clone() };
         let placed = self.scene_light.with(&rays);
         let t = |point: Option<DVec3>, was: f64| {
-            point.and_then(|point| placed.locate(point, None)).map_or(was, |place| place.t)
+            point.and_then(|point| placed.locate(point, None)).map_or(was, |coords| coords.t)
         };
         let feature = match &self.objective {
             Objective::Feature(taken) => [Some(taken.to.position), taken.pivot],
@@ -306,19 +300,19 @@ impl<'a> Goal<'a> {
     }
 
     /// Returns the limit or hard pin with the largest multiplier.
-    pub fn strongest_limit(&self, at: &Evaluation, pulls: &Multipliers) -> Option<DragLimit> {
-        let asked = at.rows.iter().filter(|row| **row == Hold::Objective).count();
-        let most = pulls.rows[..asked].iter().fold(0.0, |most: f64, pull| most.max(pull.abs()));
+    pub fn strongest_limit(&self, at: &Evaluation, multipliers: &Multipliers) -> Option<DragLimit> {
+        let count = at.rows.iter().filter(|row| **row == Hold::Objective).count();
+        let (of_objective, of_pins) = multipliers.rows.split_at(count);
+        let most = of_objective.iter().fold(0.0, |most: f64, multiplier| most.max(multiplier.abs()));
         // Smaller multipliers come from rounding.
         let least = 1e-6 * most;
-        let pins =
-            self.pins.iter().flat_map(|pin| pin.row_holds().map(|hold| (hold, DragLimit::Pin(pin.index))));
+        let pins = self.pins.iter().flat_map(|pin| pin.row_holds().map(|hold| (hold, DragLimit::Pin(pin.index))));
         let of_pins = pins
-            .zip(&pulls.rows[asked..])
-            .filter(|((hold, _), pull)| *hold == Hold::Fixed && pull.abs() > least)
-            .map(|((_, limit), pull)| (limit, pull.abs()));
-        let of_limits = at.bounds.iter().zip(&pulls.limits).filter(|(_, pull)| **pull > 0.0);
-        let all = of_limits.map(|(bound, pull)| (bound.limit, *pull)).chain(of_pins);
+            .zip(of_pins)
+            .filter(|((hold, _), multiplier)| *hold == Hold::Fixed && multiplier.abs() > least)
+            .map(|((_, limit), multiplier)| (limit, multiplier.abs()));
+        let of_limits = at.bounds.iter().zip(&multipliers.limits).filter(|(_, multiplier)| **multiplier > 0.0);
+        let all = of_limits.map(|(bound, multiplier)| (bound.limit, *multiplier)).chain(of_pins);
         all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(limit, _)| limit)
     }
 
@@ -329,9 +323,7 @@ impl<'a> Goal<'a> {
             Objective::Feature(taken) => taken.path_length(),
             Objective::Position { point, to } => {
                 let start = self.start.light();
-                self.unknowns
-                    .position_error(start, &vec![0.0; self.unknowns.count()], *point, *to, 1.0)
-                    .length()
+                self.unknowns.position_error(start, &vec![0.0; self.unknowns.count()], *point, *to, 1.0).length()
             }
         }
     }
@@ -346,8 +338,8 @@ impl<'a> Goal<'a> {
         let x = vec![0.0; self.unknowns.count()];
         let Some(at) = self.evaluate(&x, 0.0, near) else { return false };
         let jacobian = self.linearize(&x, 0.0, &at, DIFFERENCE).jacobian;
-        let mut asked = (0..at.rows.len()).filter(|row| at.rows[*row] == Hold::Objective);
-        asked.all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
+        let mut objective = (0..at.rows.len()).filter(|row| at.rows[*row] == Hold::Objective);
+        objective.all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
     }
 
     /// Computes the limits of the light's own shape: no segment folds, and no radius is negative.
@@ -376,15 +368,15 @@ impl<'a> Goal<'a> {
             if !self.work().spend((rows + limits) as u64) {
                 break;
             }
-            let mut side = |by: f64| {
-                beside[k] = x[k] + by;
+            let mut evaluate_at = |change: f64| {
+                beside[k] = x[k] + change;
                 let found = self.evaluate(&beside, share, &at.tracked);
                 beside[k] = x[k];
                 found
             };
-            let ahead = side(step);
+            let ahead = evaluate_at(step);
             let is_enough = ahead.is_some() && self.pins.len() > MANY_PINS && step < ONE_SIDED;
-            let behind = if is_enough { None } else { side(-step) };
+            let behind = if is_enough { None } else { evaluate_at(-step) };
             // At the edge of the domain only one side can be evaluated.
             let (ahead, behind, length) = match (&ahead, &behind) {
                 (Some(ahead), Some(behind)) => (ahead, behind, 2.0 * step),
@@ -399,21 +391,21 @@ impl<'a> Goal<'a> {
                 *slopes.at(row, k) = (ahead.bounds[row].value - behind.bounds[row].value) / length;
             }
         }
-        let give = at.bounds.iter().map(|bound| bound.compliance).collect();
-        Linearization::new((jacobian, slopes), Rc::clone(&at.rows), give, self.work())
+        let compliances = at.bounds.iter().map(|bound| bound.compliance).collect();
+        Linearization::new((jacobian, slopes), Rc::clone(&at.rows), compliances, self.work())
     }
 }
 
 /// Makes limits that keep the segments from folding. A segment that was folded more than a drag allows at the start may
 /// stay as it is.
-fn fold_bounds<'a>(folds: &'a [f64], begun: &'a [f64]) -> impl Iterator<Item = Bound> + 'a {
+fn fold_bounds<'a>(folds: &'a [f64], start_folds: &'a [f64]) -> impl Iterator<Item = Bound> + 'a {
     let room = |(fold, most): (&f64, &f64)| (most.max(MAX_R_KAPPA) - fold) / MAX_R_KAPPA;
-    folds.iter().zip(begun).map(move |fold| hard_bound(room(fold), DragLimit::Fold))
+    folds.iter().zip(start_folds).map(move |fold| hard_bound(room(fold), DragLimit::Fold))
 }
 
 /// Returns the priorities of the objective's residuals, followed by those of the pins.
-pub(crate) fn row_holds(asked: &Objective, pins: &[PinState]) -> Rc<[Hold]> {
-    let count = match asked {
+fn row_holds(objective: &Objective, pins: &[PinState]) -> Rc<[Hold]> {
+    let count = match objective {
         Objective::Feature(_) => 2,
         Objective::Position { .. } => 3,
     };

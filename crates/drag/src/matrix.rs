@@ -20,6 +20,12 @@ impl Matrix {
         Self { rows, columns, values: vec![0.0; rows * columns] }
     }
 
+    pub fn identity(count: usize) -> Self {
+        let mut matrix = Self::zero(count, count);
+        (0..count).for_each(|k| *matrix.at(k, k) = 1.0);
+        matrix
+    }
+
     pub fn row(&self, row: usize) -> &[f64] {
         &self.values[row * self.columns..][..self.columns]
     }
@@ -41,9 +47,7 @@ impl Matrix {
     pub fn transposed_times(&self, y: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.columns];
         for (row, y) in y.iter().enumerate() {
-            for (sum, value) in sum.iter_mut().zip(self.row(row)) {
-                *sum += value * y;
-            }
+            add_scaled(&mut sum, self.row(row), *y);
         }
         sum
     }
@@ -69,6 +73,21 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 pub(crate) fn length(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
+}
+
+/// Adds `a` times `factor` to `sum`.
+pub(crate) fn add_scaled(sum: &mut [f64], a: &[f64], factor: f64) {
+    sum.iter_mut().zip(a).for_each(|(sum, value)| *sum += value * factor);
+}
+
+/// Computes `a - b`.
+pub(crate) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// Computes `a` plus `factor` times `b`.
+pub(crate) fn scaled_sum(a: &[f64], b: &[f64], factor: f64) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + factor * b).collect()
 }
 
 /// Selects a maximal set of independent rows among `among`. Each is the row with the largest remainder after
@@ -165,8 +184,7 @@ pub(crate) fn solve_symmetric(mut matrix: Matrix, mut right: Vec<f64>, work: &Wo
     let mut solution = vec![0.0; n];
     for step in (0..n).rev() {
         let row = order[step];
-        let known: f64 =
-            order[step + 1..].iter().map(|&column| matrix.row(row)[column] * solution[column]).sum();
+        let known: f64 = order[step + 1..].iter().map(|&column| matrix.row(row)[column] * solution[column]).sum();
         let diagonal = matrix.row(row)[row];
         solution[row] = if diagonal > 0.0 { (right[row] - known) / diagonal } else { 0.0 };
     }

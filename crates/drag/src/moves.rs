@@ -30,9 +30,7 @@ impl Unknowns {
         match self {
             Self::Rigid { .. } => 6,
             Self::Turn => 3,
-            Self::Points { points, radii, .. } => {
-                points.len() * if *radii == RadiusMode::Solve { 4 } else { 3 }
-            }
+            Self::Points { points, radii, .. } => points.len() * if *radii == RadiusMode::Solve { 4 } else { 3 },
         }
     }
 
@@ -51,8 +49,7 @@ impl Unknowns {
     /// Returns the translation and the rotation of the light that the unknowns `x` give.
     fn placement(&self, start: &Light, x: &[f64]) -> (DVec3, DQuat) {
         let (translation, rotation) = (start.get(TRANSLATION), start.get(ROTATION));
-        let turned =
-            |by: &[f64]| (DQuat::from_scaled_axis(DVec3::from_slice(by)) * rotation.normalize()).normalize();
+        let turned = |by: &[f64]| (DQuat::from_scaled_axis(DVec3::from_slice(by)) * rotation.normalize()).normalize();
         match self {
             Self::Rigid { unit } => (translation + DVec3::from_slice(&x[..3]) * *unit, turned(&x[3..])),
             Self::Turn => (translation, turned(x)),
@@ -95,9 +92,7 @@ impl Unknowns {
         }
         Some(rays)
     }
-}
 
-impl Unknowns {
     /// Shrinks radii to follow moved control points, with [`RadiusMode::Follow`] only.
     pub fn shrink_radii(&self, start: &Light, moved: &mut [ControlPoint]) {
         if let Self::Points { radii: RadiusMode::Follow, .. } = self {
@@ -121,14 +116,14 @@ impl Unknowns {
 /// segment shrinks by at least that factor.
 fn shrink_folding_radii(start: &[ControlPoint], moved: &mut [ControlPoint]) {
     let all = 0..moved.len().saturating_sub(2);
-    let (Ok(begun), Ok(folds)) =
+    let (Ok(start_folds), Ok(folds)) =
         (r_kappa_max_of_segments(start, all.clone()), r_kappa_max_of_segments(moved, all))
     else {
         return;
     };
     let factor = |point: usize| {
         let segments = point.saturating_sub(2)..(point + 1).min(folds.len());
-        segments.map(|segment| allowed_radius_share(folds[segment], begun[segment])).fold(1.0, f64::min)
+        segments.map(|segment| allowed_radius_share(folds[segment], start_folds[segment])).fold(1.0, f64::min)
     };
     let factors: Vec<f64> = (0..moved.len()).map(factor).collect();
     for (point, factor) in moved.iter_mut().zip(factors) {
@@ -139,9 +134,9 @@ fn shrink_folding_radii(start: &[ControlPoint], moved: &mut [ControlPoint]) {
 }
 
 /// Computes the factor by which the radius of a segment with `R kappa` of `fold` may be multiplied, if its `R kappa`
-/// was `begun` at the start. A segment that was nearly folding then may stay so.
-fn allowed_radius_share(fold: f64, begun: f64) -> f64 {
-    let shrinks_from = begun.clamp(SHRINK_FROM_R_KAPPA, MAX_R_KAPPA);
+/// was `start_fold` at the start. A segment that was nearly folding then may stay so.
+fn allowed_radius_share(fold: f64, start_fold: f64) -> f64 {
+    let shrinks_from = start_fold.clamp(SHRINK_FROM_R_KAPPA, MAX_R_KAPPA);
     if fold <= shrinks_from {
         return 1.0;
     }

@@ -51,11 +51,11 @@ impl<'a> Occlusion<'a> {
         self.linked.is_lit(node)
     }
 
-    /// Finds the first caster that blocks light on the light path to a surface point at `place`.
+    /// Finds the first caster that blocks light on the light path to a surface point at `coords`.
     pub fn first_caster(
         &self,
         placed: &SceneLight,
-        place: &PointInLight,
+        coords: &PointInLight,
         surface: &SeenPoint,
     ) -> Option<ShadowCaster> {
         let size = match placed.rays {
@@ -67,36 +67,24 @@ impl<'a> Occlusion<'a> {
             within: CONTACT_TOLERANCE * size + rounding_error(surface.position),
             triangle: Some(surface.triangle),
         };
-        self.first_caster_on_path(placed, place, place.cross_coords, surface.position, own)
+        self.first_caster_on_path(placed, coords, coords.cross_coords, surface.position, own, |_| true)
     }
 
-    /// True if a surface point at `place` is dark in pictures: the surface faces away from the light, or its shadow
+    /// True if a surface point at `coords` is dark in pictures: the surface faces away from the light, or its shadow
     /// position is in shadow.
-    pub fn is_unlit(&self, placed: &SceneLight, place: &PointInLight, surface: &SeenPoint) -> bool {
-        let faces = surface.normal.dot(place.to_light);
+    pub fn is_unlit(&self, placed: &SceneLight, coords: &PointInLight, surface: &SeenPoint) -> bool {
+        let faces = surface.normal.dot(coords.to_light);
         let at = SeenPoint { position: surface.shadow_position(), ..*surface };
-        let place = placed.locate(at.position, Some(place.t));
-        faces < TURNED_AWAY || place.is_some_and(|place| self.first_caster(placed, &place, &at).is_some())
+        let coords = placed.locate(at.position, Some(coords.t));
+        faces < TURNED_AWAY || coords.is_some_and(|coords| self.first_caster(placed, &coords, &at).is_some())
     }
 
-    /// Finds the first caster on the light path at `across`, up to the point `point` at `place`. Hits at the point
-    /// itself do not count.
+    /// Finds the first caster on the light path at `across`, up to the point `point` at `coords`, among the nodes that
+    /// `is_caster` accepts. Hits at the point itself do not count.
     pub fn first_caster_on_path(
         &self,
         placed: &SceneLight,
-        place: &PointInLight,
-        across: DVec2,
-        point: DVec3,
-        contact: Contact,
-    ) -> Option<ShadowCaster> {
-        self.first_matching_caster(placed, place, across, point, contact, |_| true)
-    }
-
-    /// Finds the first caster among the nodes that `is_caster` accepts.
-    pub fn first_matching_caster(
-        &self,
-        placed: &SceneLight,
-        place: &PointInLight,
+        coords: &PointInLight,
         across: DVec2,
         point: DVec3,
         contact: Contact,
@@ -106,30 +94,23 @@ impl<'a> Occlusion<'a> {
             return None;
         }
         let stops = |triangle: usize, weights: DVec3| {
-            is_caster(self.bvh.triangles[triangle].node)
-                && self.bvh.casts_shadow_at(&self.linked, triangle, weights)
+            is_caster(self.bvh.triangles[triangle].node) && self.bvh.casts_shadow_at(&self.linked, triangle, weights)
         };
         let spend = |boxes| self.work.spend_on_rays(boxes);
-        if let LightRays::Bent(tube) = placed.rays {
+        let (triangle, position, t) = if let LightRays::Bent(tube) = placed.rays {
             let path = self.bvh.bent_path(tube, across.x, across.y);
-            let hit = self.bvh.first_bent_hit_budgeted(&path, place.t, spend, |hit| {
+            let hit = self.bvh.first_bent_hit_budgeted(&path, coords.t, spend, |hit| {
                 hit.position.distance(point) > contact.within && stops(hit.triangle, hit.barycentrics)
             })?;
-            let node = self.bvh.triangles[hit.triangle].node;
-            return Some(ShadowCaster { position: hit.position, t: hit.t, node });
-        }
-        let (from, to) =
-            placed.straight_path(place, across, point, 2.0 * self.bvh.posed.half_extent.length());
-        let (way, length) = (to - from, to.distance(from));
-        let hit =
-            self.bvh.first_hit_budgeted(from, way, [0.0, 1.0 - contact.within / length], spend, |hit| {
+            (hit.triangle, hit.position, hit.t)
+        } else {
+            let (from, to) = placed.straight_path(coords, across, point, 2.0 * self.bvh.posed.half_extent.length());
+            let (ray, length) = (to - from, to.distance(from));
+            let hit = self.bvh.first_hit_budgeted(from, ray, [0.0, 1.0 - contact.within / length], spend, |hit| {
                 Some(hit.triangle) != contact.triangle && stops(hit.triangle, hit.barycentrics)
             })?;
-        let node = self.bvh.triangles[hit.triangle].node;
-        Some(ShadowCaster {
-            position: from + way * hit.distance,
-            t: place.t - length * (1.0 - hit.distance),
-            node,
-        })
+            (hit.triangle, from + ray * hit.distance, coords.t - length * (1.0 - hit.distance))
+        };
+        Some(ShadowCaster { position, t, node: self.bvh.triangles[triangle].node })
     }
 }

@@ -1,7 +1,6 @@
 //! Pins as equations and limits.
 
 use glam::{DVec2, DVec3};
-use raycast::Bvh;
 
 use crate::bound::{Bound, bounds_at, cross_error, direction_error, distance_behind};
 use crate::occlusion::{Contact, Occlusion, ShadowCaster};
@@ -51,36 +50,26 @@ impl PinState {
     /// not fulfilled, and an error for a hard one.
     pub fn new(
         occlusion: &Occlusion,
-        bvh: &Bvh,
         placed: &SceneLight,
-        (index, pin): (usize, &DragPin),
+        index: usize,
+        pin: &DragPin,
     ) -> Result<Option<Self>, DragRefusal> {
-        let found = Self::if_it_holds(occlusion, bvh, placed, (index, pin));
+        let found = Self::if_held(occlusion, placed, index, pin);
         if found.is_none() && pin.is_hard { Err(DragRefusal::PinDoesNotHold(index)) } else { Ok(found) }
     }
 
-    fn if_it_holds(
-        occlusion: &Occlusion,
-        bvh: &Bvh,
-        placed: &SceneLight,
-        (index, pin): (usize, &DragPin),
-    ) -> Option<Self> {
-        let posed = &bvh.posed;
+    fn if_held(occlusion: &Occlusion, placed: &SceneLight, index: usize, pin: &DragPin) -> Option<Self> {
+        let (bvh, posed) = (occlusion.bvh, &occlusion.bvh.posed);
         let point = pin.at - posed.origin_in_world;
-        let place = placed.locate(point, None)?;
-        if placed.rho2(&place) > 1.0 || place.distance_to_ends < 0.0 {
-            return None;
-        }
+        let coords = placed.locate(point, None).filter(|coords| placed.contains(coords))?;
         let contact = Contact { within: CONTACT * posed.half_extent.length(), triangle: None };
         let spend = |boxes| occlusion.work.spend_on_rays(boxes);
         let surface = bvh.nearest_budgeted(point, contact.within, spend, |_| true);
-        let towards = |normal: DVec3| if normal.dot(place.along_path) < 0.0 { -normal } else { normal };
-        let (normals, offset) = surface.map_or(([place.along_path; 2], 0.0), |surface| {
-            let (smooth, offset) =
-                bvh.smooth_surface_at(surface.triangle, surface.barycentrics, surface.position);
+        let towards = |normal: DVec3| if normal.dot(coords.along_path) < 0.0 { -normal } else { normal };
+        let (normals, offset) = surface.map_or(([coords.along_path; 2], 0.0), |surface| {
+            let (smooth, offset) = bvh.smooth_surface_at(surface.triangle, surface.barycentrics, surface.position);
             let flat = bvh.triangles[surface.triangle].normal().normalize();
-            let smooth = towards(smooth);
-            let flat = towards(flat);
+            let [smooth, flat] = [smooth, flat].map(towards);
             ([smooth, if flat.dot(smooth) > 0.0 { flat } else { smooth }], offset)
         });
         let pinned = Self {
@@ -88,61 +77,48 @@ impl PinState {
             kind: pin.kind,
             is_hard: pin.is_hard,
             point,
-            start_coords: place,
-            irradiance: placed.locate_with_irradiance(point, place.t)?.1,
+            start_coords: coords,
+            irradiance: placed.locate_with_irradiance(point, coords.t)?.1,
             normals,
             shadow_point: point + normals[0] * offset,
             pivot: None,
             contact,
         };
         let is_caster = |node: usize| match &pin.caster {
-            Some(caster) => {
-                posed.scene.nodes[node].name == *caster || posed.node_tree().path(node) == *caster
-            }
+            Some(caster) => posed.scene.nodes[node].name == *caster || posed.node_tree().path(node) == *caster,
             None => true,
         };
         match pin.kind {
             PinKind::Direction => Some(pinned),
-            PinKind::Lit => pinned.is_lit(occlusion, placed, &place).then_some(pinned),
-            PinKind::Shadowed => pinned.is_shadowed(occlusion, placed, &place).then_some(pinned),
+            PinKind::Lit => pinned.is_lit(occlusion, placed, &coords).then_some(pinned),
+            PinKind::Shadowed => pinned.is_shadowed(occlusion, placed, &coords).then_some(pinned),
             PinKind::Shadow => {
-                let caster = occlusion.first_matching_caster(
-                    placed,
-                    &place,
-                    place.cross_coords,
-                    point,
-                    contact,
-                    is_caster,
-                )?;
+                let caster =
+                    occlusion.first_caster_on_path(placed, &coords, coords.cross_coords, point, contact, is_caster)?;
                 Some(Self { pivot: Some((caster.position, caster.t)), ..pinned })
             }
         }
     }
 
     /// True if light arrives at the front of the surface, if no caster blocks it.
-    pub fn is_lit(&self, occlusion: &Occlusion, placed: &SceneLight, place: &PointInLight) -> bool {
-        self.normals.iter().all(|normal| normal.dot(place.along_path) > 0.0)
-            && self.first_caster(occlusion, placed, place).is_none()
+    pub fn is_lit(&self, occlusion: &Occlusion, placed: &SceneLight, coords: &PointInLight) -> bool {
+        self.normals.iter().all(|normal| normal.dot(coords.along_path) > 0.0)
+            && self.first_caster(occlusion, placed, coords).is_none()
     }
 
     /// True if a caster shadows the point.
-    pub fn is_shadowed(&self, occlusion: &Occlusion, placed: &SceneLight, place: &PointInLight) -> bool {
-        self.first_caster(occlusion, placed, place).is_some()
+    pub fn is_shadowed(&self, occlusion: &Occlusion, placed: &SceneLight, coords: &PointInLight) -> bool {
+        self.first_caster(occlusion, placed, coords).is_some()
     }
 
-    fn first_caster(
-        &self,
-        occlusion: &Occlusion,
-        placed: &SceneLight,
-        place: &PointInLight,
-    ) -> Option<ShadowCaster> {
-        let place = self.shadow_coords(placed, place)?;
-        occlusion.first_caster_on_path(placed, &place, place.cross_coords, self.shadow_point, self.contact)
+    fn first_caster(&self, occlusion: &Occlusion, placed: &SceneLight, coords: &PointInLight) -> Option<ShadowCaster> {
+        let coords = self.shadow_coords(placed, coords)?;
+        occlusion.first_caster_on_path(placed, &coords, coords.cross_coords, self.shadow_point, self.contact, |_| true)
     }
 
-    /// Returns the light coordinates of the shadow point, in a light that has the pinned point at `place`.
-    pub fn shadow_coords(&self, placed: &SceneLight, place: &PointInLight) -> Option<PointInLight> {
-        placed.locate(self.shadow_point, Some(place.t))
+    /// Returns the light coordinates of the shadow point, in a light that has the pinned point at `coords`.
+    pub fn shadow_coords(&self, placed: &SceneLight, coords: &PointInLight) -> Option<PointInLight> {
+        placed.locate(self.shadow_point, Some(coords.t))
     }
 
     /// Returns the values of `t` to track for the pin and its pivot, at the start of the drag.
@@ -176,36 +152,36 @@ impl PinState {
         residual: &mut Vec<f64>,
         bounds: &mut Vec<Bound>,
     ) -> Option<([f64; 2], PointInLight)> {
-        let (place, irradiance) = if self.holds_irradiance() {
+        let (coords, irradiance) = if self.holds_irradiance() {
             placed.locate_with_irradiance(self.point, near[0])?
         } else {
             (placed.locate(self.point, Some(near[0]))?, 0.0)
         };
         let bound = |value| Bound { value, limit: DragLimit::Pin(self.index), compliance: self.compliance() };
-        bounds_at(placed, &place, ([DragLimit::Pin(self.index); 2], self.compliance()), 0.0, bounds);
+        bounds_at(placed, &coords, [DragLimit::Pin(self.index); 2], self.compliance(), 0.0, bounds);
         if self.kind == PinKind::Lit {
             bounds.extend(self.normals.map(|normal| {
                 let least = SHADOW_EDGE_MARGIN.min(0.5 * self.start_coords.along_path.dot(normal));
-                bound(place.along_path.dot(normal) - least)
+                bound(coords.along_path.dot(normal) - least)
             }));
         }
         let mut pivot_t = near[1];
         match (self.kind, self.pivot) {
             (PinKind::Direction, _) => {
-                residual.extend(direction_error(place.to_light, self.start_coords.to_light)?.to_array());
+                residual.extend(direction_error(coords.to_light, self.start_coords.to_light)?.to_array());
             }
             (PinKind::Shadow, Some((pivot, _))) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
-                bounds.push(bound(distance_behind(&place, &pivot, &self.start_coords)));
-                residual.extend(cross_error(pivot.cross_coords, &place, &self.start_coords).to_array());
+                bounds.push(bound(distance_behind(&coords, &pivot, &self.start_coords)));
+                residual.extend(cross_error(pivot.cross_coords, &coords, &self.start_coords).to_array());
             }
             _ => {}
         }
         if self.holds_irradiance() {
             residual.push(irradiance / self.irradiance - 1.0);
         }
-        Some(([place.t, pivot_t], place))
+        Some(([coords.t, pivot_t], coords))
     }
 }
 
@@ -240,26 +216,22 @@ pub(crate) enum OcclusionTangent {
 impl OcclusionTangent {
     /// Returns the index of the pin whose point crossed the shadow edge; `None` for a surface.
     pub fn pin(&self) -> Option<usize> {
-        match self {
-            Self::ShadowEdge { pin, .. } => Some(*pin),
-            Self::Surface { .. } => None,
-        }
+        if let Self::ShadowEdge { pin, .. } = self { Some(*pin) } else { None }
     }
 
-    /// Computes the distance of a pin at `place` from the shadow edge, as a limit.
-    pub fn pin_bound(&self, placed: &SceneLight, place: &PointInLight, pin: &PinState) -> Option<Bound> {
+    /// Computes the distance of a pin at `coords` from the shadow edge, as a limit.
+    pub fn pin_bound(&self, placed: &SceneLight, coords: &PointInLight, pin: &PinState) -> Option<Bound> {
         let Self::ShadowEdge { caster, t, allowed, .. } = self else { return None };
         let edge = placed.locate(*caster, Some(*t))?;
-        let place = &pin.shadow_coords(placed, place)?;
-        let value =
-            -cross_error(edge.cross_coords, place, &pin.start_coords).dot(*allowed) - SHADOW_EDGE_MARGIN;
+        let coords = &pin.shadow_coords(placed, coords)?;
+        let value = -cross_error(edge.cross_coords, coords, &pin.start_coords).dot(*allowed) - SHADOW_EDGE_MARGIN;
         Some(Bound { value, limit: DragLimit::Pin(pin.index), compliance: pin.compliance() })
     }
 
     /// Computes the distance of the source from the surface, as a limit. `None` for a shadow edge.
     pub fn source_bound(&self, placed: &SceneLight) -> Option<Bound> {
-        let Self::Surface { at, normal, clearance: off, size } = self else { return None };
-        let value = ((placed.source() - *at).dot(*normal) - off) / size;
+        let Self::Surface { at, normal, clearance, size } = self else { return None };
+        let value = ((placed.source() - *at).dot(*normal) - clearance) / size;
         Some(Bound { value, limit: DragLimit::SourceInside, compliance: 0.0 })
     }
 }

@@ -1,7 +1,7 @@
 //! Light coordinates of a point, for every shape of light, tracked while the light moves.
 
 use glam::{DVec2, DVec3};
-use light::{LightRays, Tube, TubeRoot};
+use light::{EndMode, LightRays, Tube, TubeRoot};
 
 use crate::work::WorkBudget;
 
@@ -69,8 +69,7 @@ impl<'a> SceneLight<'a> {
     pub fn new(rays: &'a LightRays, origin_in_world: DVec3, about: DVec3, work: &'a WorkBudget<'a>) -> Self {
         let ahead = match rays {
             LightRays::Omni(omni) => {
-                omni.rotation.transpose()
-                    * (about - (omni.translation - origin_in_world)).normalize_or(DVec3::Z)
+                omni.rotation.transpose() * (about - (omni.translation - origin_in_world)).normalize_or(DVec3::Z)
             }
             _ => DVec3::Z,
         };
@@ -84,25 +83,22 @@ impl<'a> SceneLight<'a> {
 
     /// Returns the position of the source in scene space; for a directional light any point of its axis.
     pub fn source(&self) -> DVec3 {
-        self.translation() - self.origin_in_world
-    }
-
-    /// Returns the cost of locating a point, in steps: of a tracked point if `is_followed`, else of a search in all
-    /// segments.
-    fn locate_cost_steps(&self, is_followed: bool) -> u64 {
-        match self.rays {
-            LightRays::Bent(tube) if !is_followed => STEPS_OF_ROOT * tube.segments.len() as u64,
-            LightRays::Bent(_) => STEPS_OF_PLACE,
-            LightRays::Cone(_) | LightRays::Omni(_) | LightRays::Parallel(_) => STEPS_OF_STRAIGHT_PLACE,
-        }
-    }
-
-    fn translation(&self) -> DVec3 {
-        match self.rays {
+        let in_world = match self.rays {
             LightRays::Bent(tube) => tube.placement.translation,
             LightRays::Cone(cone) => cone.translation,
             LightRays::Omni(omni) => omni.translation,
             LightRays::Parallel(parallel) => parallel.translation,
+        };
+        in_world - self.origin_in_world
+    }
+
+    /// Returns the cost of locating a point, in steps: of a tracked point if `is_tracked`, else of a search in all
+    /// segments.
+    fn locate_cost_steps(&self, is_tracked: bool) -> u64 {
+        match self.rays {
+            LightRays::Bent(tube) if !is_tracked => STEPS_OF_ROOT * tube.segments.len() as u64,
+            LightRays::Bent(_) => STEPS_OF_PLACE,
+            LightRays::Cone(_) | LightRays::Omni(_) | LightRays::Parallel(_) => STEPS_OF_STRAIGHT_PLACE,
         }
     }
 
@@ -114,37 +110,34 @@ impl<'a> SceneLight<'a> {
         if !self.work.spend(self.locate_cost_steps(near.is_some())) {
             return None;
         }
-        let way = point - self.source();
+        let from_source = point - self.source();
         match self.rays {
             LightRays::Bent(tube) => {
-                let q = tube.placement.rotation.transpose() * way / tube.placement.world_per_tube;
-                let root = match near {
-                    None => tube.nearest_root(q)?,
-                    Some(t) => track_root(tube, q, t),
-                };
+                let q = tube_from_source(tube, from_source);
+                let root = near.map_or_else(|| tube.nearest_root(q), |t| Some(track_root(tube, q, t)))?;
                 Some(tube_coords(tube, &root))
             }
             LightRays::Cone(cone) => {
-                let local = cone.rotation.transpose() * way;
+                let local = cone.rotation.transpose() * from_source;
                 let depth = -local.z;
                 let across = DVec2::new(-local.x, local.y) / (depth * cone.tan_outer);
                 let width = depth * cone.tan_outer;
                 let from_ends = cone.range.map_or(f64::INFINITY, |range| (range - depth) / width);
-                (depth > 0.0).then(|| straight_coords(way, across, width, from_ends))
+                (depth > 0.0).then(|| straight_coords(from_source, across, width, from_ends))
             }
             LightRays::Omni(omni) => {
-                let (local, chart) = (omni.rotation.transpose() * way, self.chart);
+                let (local, chart) = (omni.rotation.transpose() * from_source, self.chart);
                 let ahead = local.dot(chart.ahead);
                 let across = DVec2::new(local.dot(chart.right), local.dot(chart.up)) / ahead;
-                let from_ends = omni.range.map_or(f64::INFINITY, |range| (range - way.length()) / ahead);
-                (ahead > 0.0).then(|| straight_coords(way, across, ahead, from_ends))
+                let from_ends = omni.range.map_or(f64::INFINITY, |range| (range - from_source.length()) / ahead);
+                (ahead > 0.0).then(|| straight_coords(from_source, across, ahead, from_ends))
             }
             LightRays::Parallel(parallel) => {
-                let local = parallel.rotation.transpose() * way;
+                let local = parallel.rotation.transpose() * from_source;
                 let across = DVec2::new(-local.x, local.y);
-                let place = straight_coords(way, across, 1.0, f64::INFINITY);
+                let coords = straight_coords(from_source, across, 1.0, f64::INFINITY);
                 let to_light = parallel.direction();
-                Some(PointInLight { t: -local.z, to_light, along_path: to_light, ..place })
+                Some(PointInLight { t: -local.z, to_light, along_path: to_light, ..coords })
             }
         }
     }
@@ -155,41 +148,34 @@ impl<'a> SceneLight<'a> {
         if !self.work.spend(self.locate_cost_steps(true)) {
             return None;
         }
-        let way = point - self.source();
+        let from_source = point - self.source();
         let irradiance = match self.rays {
             LightRays::Bent(tube) => {
-                let q = tube.placement.rotation.transpose() * way / tube.placement.world_per_tube;
-                let root = track_root(tube, q, near);
+                let root = track_root(tube, tube_from_source(tube, from_source), near);
                 return Some((tube_coords(tube, &root), tube.irradiance(&root).max_element()));
             }
-            LightRays::Cone(cone) => cone.locate(way).map(|place| cone.irradiance(&place)),
-            LightRays::Omni(omni) => omni.locate(way).map(|place| omni.irradiance(&place)),
+            LightRays::Cone(cone) => cone.locate(from_source).map(|coords| cone.irradiance(&coords)),
+            LightRays::Omni(omni) => omni.locate(from_source).map(|coords| omni.irradiance(&coords)),
             LightRays::Parallel(parallel) => {
-                parallel.locate(point + self.origin_in_world).map(|place| parallel.irradiance(&place))
+                parallel.locate(point + self.origin_in_world).map(|coords| parallel.irradiance(&coords))
             }
         };
         Some((self.locate(point, Some(near))?, irradiance.map_or(0.0, DVec3::max_element)))
     }
 
     /// Returns the light path at `across` of a light without a tube: its start, and its point level with `point` at
-    /// `place`. The path of a directional light starts at the distance `far` before that point.
-    pub fn straight_path(
-        &self,
-        place: &PointInLight,
-        across: DVec2,
-        point: DVec3,
-        far: f64,
-    ) -> (DVec3, DVec3) {
+    /// `coords`. The path of a directional light starts at the distance `far` before that point.
+    pub fn straight_path(&self, coords: &PointInLight, across: DVec2, point: DVec3, far: f64) -> (DVec3, DVec3) {
         let source = self.source();
-        let level = |way: DVec3| (source, source + way);
+        let level = |offset: DVec3| (source, source + offset);
         match self.rays {
             LightRays::Cone(cone) => {
-                let depth = place.width / cone.tan_outer;
-                level(cone.rotation * DVec3::new(-across.x * place.width, across.y * place.width, -depth))
+                let depth = coords.width / cone.tan_outer;
+                level(cone.rotation * DVec3::new(-across.x * coords.width, across.y * coords.width, -depth))
             }
-            LightRays::Omni(omni) => level(omni.rotation * self.chart.direction_at(across) * place.width),
+            LightRays::Omni(omni) => level(omni.rotation * self.chart.direction_at(across) * coords.width),
             LightRays::Parallel(parallel) => {
-                let beside = across - place.cross_coords;
+                let beside = across - coords.cross_coords;
                 let to = point + parallel.rotation * DVec3::new(-beside.x, beside.y, 0.0);
                 (to + parallel.direction() * far, to)
             }
@@ -197,20 +183,30 @@ impl<'a> SceneLight<'a> {
         }
     }
 
+    /// True if the point lies within the light's cross-section and between its ends.
+    pub fn contains(&self, coords: &PointInLight) -> bool {
+        self.rho2(coords) <= 1.0 && coords.distance_to_ends >= 0.0
+    }
+
     /// Returns the squared distance of the point from the light's axis, which is 1 at the light's edge. It is 0 for a
     /// light without an edge.
-    pub fn rho2(&self, place: &PointInLight) -> f64 {
+    pub fn rho2(&self, coords: &PointInLight) -> f64 {
         match self.rays {
-            LightRays::Bent(_) | LightRays::Cone(_) => place.cross_coords.length_squared(),
+            LightRays::Bent(_) | LightRays::Cone(_) => coords.cross_coords.length_squared(),
             LightRays::Omni(_) => 0.0,
             LightRays::Parallel(parallel) => {
                 let share = |along: f64, half: Option<f64>| half.map_or(0.0, |half| (along / half).abs());
-                let out = share(place.cross_coords.x, parallel.half_size[0])
-                    .max(share(place.cross_coords.y, parallel.half_size[1]));
+                let out = share(coords.cross_coords.x, parallel.half_size[0])
+                    .max(share(coords.cross_coords.y, parallel.half_size[1]));
                 out * out
             }
         }
     }
+}
+
+/// Converts an offset from the source, in world axes, to tube space.
+fn tube_from_source(tube: &Tube<f64>, from_source: DVec3) -> DVec3 {
+    tube.placement.rotation.transpose() * from_source / tube.placement.world_per_tube
 }
 
 /// Tracks the root near `t` regardless of the radius, by Newton's method on `(q - P) . P'`. Each step squares the
@@ -219,16 +215,10 @@ fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64> {
     const STEPS: usize = 12;
     // The error after such a step is its square.
     const ENOUGH: f64 = 1e-9;
-    let last = tube.segments.len() - 1;
-    // The extension past the last segment has no end.
-    let end = if last == tube.n { f64::INFINITY } else { tube.n as f64 };
-    let piece = |t: f64| {
-        let index = (t as usize).min(last);
-        (index, t - index as f64)
-    };
+    let end = tube.t_end();
     let mut t = near.clamp(0.0, end);
     for _ in 0..STEPS {
-        let (segment, u) = piece(t);
+        let (segment, u) = tube.segment_at(t);
         let curve = &tube.segments[segment].curve;
         let (r, d) = (curve.offset(q, u), curve.d(u));
         let slope = 2.0 * d.length_squared() - r.dot(curve.a);
@@ -244,36 +234,15 @@ fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64> {
             break;
         }
     }
-    let (segment, u) = piece(t);
-    let curve = &tube.segments[segment].curve;
-    let u_hat = curve.u_hat(u);
-    let (v_hat, w_hat) = tube.cross_section(curve, u_hat);
-    let r = curve.offset(q, u);
-    TubeRoot {
-        segment,
-        u,
-        r,
-        v_len: r.dot(v_hat),
-        w_len: r.dot(w_hat),
-        radius: curve.radius(u),
-        v_hat,
-        u_hat,
-    }
+    let (segment, u) = tube.segment_at(t);
+    tube.root_at(&tube.inside_at(segment, q, u).0)
 }
 
-/// Makes the coordinates of a point that light reaches along the straight path `way`.
-fn straight_coords(way: DVec3, across: DVec2, width: f64, from_ends: f64) -> PointInLight {
-    let t = way.length();
-    let to_light = -way / t;
-    PointInLight {
-        t,
-        cross_coords: across,
-        width,
-        to_light,
-        along_path: to_light,
-        path_spacing: 1.0,
-        distance_to_ends: from_ends,
-    }
+/// Makes the coordinates of a point that light reaches along the straight `path`.
+fn straight_coords(path: DVec3, cross_coords: DVec2, width: f64, distance_to_ends: f64) -> PointInLight {
+    let t = path.length();
+    let to_light = -path / t;
+    PointInLight { t, cross_coords, width, to_light, along_path: to_light, path_spacing: 1.0, distance_to_ends }
 }
 
 /// Makes the coordinates of a root of a tube.
@@ -285,11 +254,8 @@ fn tube_coords(tube: &Tube<f64>, root: &TubeRoot<f64>) -> PointInLight {
     let radius = if root.radius > 0.0 { root.radius } else { 1.0 };
     // Beyond an end `r` has a component along the tangent.
     let beyond = root.r.dot(root.u_hat) / radius;
-    let from_end = if tube.segments.len() > tube.n {
-        f64::INFINITY
-    } else {
-        (tube.n as f64 - root.t()) * speed / radius - beyond
-    };
+    let is_endless = tube.end_mode() == EndMode::Extend;
+    let from_end = if is_endless { f64::INFINITY } else { (tube.n as f64 - root.t()) * speed / radius - beyond };
     let from_source = root.t() * speed / radius + beyond;
     PointInLight {
         t: root.t(),

@@ -5,7 +5,8 @@
 use std::rc::Rc;
 
 use crate::matrix::{
-    Matrix, cholesky, dot, independent_rows, solve_lower, solve_lower_transposed, solve_symmetric,
+    Matrix, add_scaled, cholesky, difference, dot, independent_rows, scaled_sum, solve_lower, solve_lower_transposed,
+    solve_symmetric,
 };
 use crate::work::WorkBudget;
 
@@ -54,11 +55,11 @@ impl<'a> Linearization<'a> {
         let fixed = if is_few { fixed } else { independent_rows(&jacobian, &fixed, work) };
         let mut metric = None;
         for (row, hold) in rows.iter().enumerate() {
-            if let Hold::Soft(give) = hold
+            if let Hold::Soft(compliance) = hold
                 && work.spend(square(jacobian.columns))
             {
-                let metric = metric.get_or_insert_with(|| identity(jacobian.columns));
-                add_square(metric, jacobian.row(row), *give);
+                let metric = metric.get_or_insert_with(|| Matrix::identity(jacobian.columns));
+                add_square(metric, jacobian.row(row), *compliance);
             }
         }
         Self { jacobian, slopes, rows, compliances, fixed, metric, work }
@@ -70,23 +71,12 @@ fn square(columns: usize) -> u64 {
     (columns * columns) as u64
 }
 
-fn identity(count: usize) -> Matrix {
-    let mut matrix = Matrix::zero(count, count);
-    (0..count).for_each(|k| *matrix.at(k, k) = 1.0);
-    matrix
-}
-
-/// Adds `a a^T / give` to `metric`.
-fn add_square(metric: &mut Matrix, a: &[f64], give: f64) {
+/// Adds `a a^T / compliance` to `metric`.
+fn add_square(metric: &mut Matrix, a: &[f64], compliance: f64) {
     for (row, value) in a.iter().enumerate() {
-        let scaled = value / give;
+        let scaled = value / compliance;
         a.iter().enumerate().for_each(|(column, value)| *metric.at(row, column) += scaled * value);
     }
-}
-
-/// Adds `a` times `by` to `sum`.
-fn add_scaled(sum: &mut [f64], a: &[f64], by: f64) {
-    sum.iter_mut().zip(a).for_each(|(sum, value)| *sum += value * by);
 }
 
 /// Priority of a residual, an equation of the linearization.
@@ -102,10 +92,10 @@ pub(crate) enum Hold {
 }
 
 /// Values of the residuals and limits in a step, and the residuals to fulfil.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Values<'a> {
     pub residual: &'a [f64],
-    pub limits: &'a [f64],
+    pub limits: Vec<f64>,
     pub counting: RowSelection,
 }
 
@@ -129,65 +119,63 @@ pub(crate) enum RowSelection {
 /// limit has its own softness in place of `mu`. A soft limit acts as a spring that pushes to one side. Soft residuals
 /// and soft limits change the metric of `|y|^2` and add no equations. So the size of the system does not grow with the
 /// number of soft pins.
-pub(crate) fn smallest_step(
-    x: &[f64],
-    linear: &Linearization,
-    values: Values,
-    mu: f64,
-) -> (Vec<f64>, Multipliers) {
-    let Linearization { jacobian, slopes, rows, compliances: give, work, .. } = linear;
+pub(crate) fn smallest_step(x: &[f64], linear: &Linearization, values: Values, mu: f64) -> (Vec<f64>, Multipliers) {
+    let Linearization { jacobian, slopes, rows, compliances, work, .. } = linear;
     let Values { residual, limits, counting } = values;
-    let wanted: Vec<f64> = jacobian.times(x).iter().zip(residual).map(|(a, b)| a - b).collect();
-    let floor: Vec<f64> = slopes.times(x).iter().zip(limits).map(|(a, b)| a - b).collect();
-    let mut pull = vec![0.0; jacobian.columns];
+    let targets = difference(&jacobian.times(x), residual);
+    let limit_targets = difference(&slopes.times(x), &limits);
+    let mut soft_right = vec![0.0; jacobian.columns];
     for (row, hold) in rows.iter().enumerate() {
-        if let (Hold::Soft(give), RowSelection::All) = (hold, counting) {
-            add_scaled(&mut pull, jacobian.row(row), wanted[row] / give);
+        if let (Hold::Soft(compliance), RowSelection::All) = (hold, counting) {
+            add_scaled(&mut soft_right, jacobian.row(row), targets[row] / compliance);
         }
     }
-    let step = QpStep { linear, wanted, floor, pull, counting, mu };
+    let step = QpStep { linear, targets, limit_targets, soft_right, counting, mu };
     let mut active: Vec<usize> = Vec::new();
     let mut best: Option<(Vec<f64>, Multipliers)> = None;
-    let most = 4 * limits.len().min(4 * jacobian.columns) + 4;
-    for turn in 0..most {
-        let compared = (jacobian.columns + active.len()) * limits.len();
-        if !work.spend(compared as u64) {
+    let max_turns = 4 * limits.len().min(4 * jacobian.columns) + 4;
+    for turn in 0..max_turns {
+        if !work.spend(((jacobian.columns + active.len()) * limits.len()) as u64) {
             break;
         }
-        let (y, of_rows, pulls) = step.with_active(&active);
+        let (y, of_rows, of_active) = step.with_active(&active);
+        let is_batched = |limit: usize| compliances[limit] > 0.0 && turn < MAX_BATCHED_TURNS;
         // A limit that pulls in the wrong direction leaves the active set.
-        let wrong = active.iter().enumerate().filter(|(k, _)| pulls[*k] < 0.0);
-        if let Some((k, &limit)) = wrong.min_by(|a, b| pulls[a.0].total_cmp(&pulls[b.0])) {
-            if give[limit] > 0.0 && turn < MAX_BATCHED_TURNS {
-                let mut pulls = pulls.iter();
-                active.retain(|limit| pulls.next().is_some_and(|pull| *pull >= 0.0) || give[*limit] == 0.0);
+        let wrong = active.iter().enumerate().filter(|(k, _)| of_active[*k] < 0.0);
+        if let Some((k, &limit)) = wrong.min_by(|a, b| of_active[a.0].total_cmp(&of_active[b.0])) {
+            if is_batched(limit) {
+                let mut multipliers = of_active.iter();
+                active.retain(|limit| multipliers.next().is_some_and(|m| *m >= 0.0) || compliances[*limit] == 0.0);
             } else {
                 active.remove(k);
             }
             continue;
         }
-        let height = slopes.times(&y);
-        let counts = |k: usize| give[k] == 0.0 || counting == RowSelection::All;
-        let broken: Vec<usize> = (0..limits.len())
-            .filter(|k| counts(*k) && height[*k] < step.floor[*k] - 1e-12 && !active.contains(k))
+        let products = slopes.times(&y);
+        let excess = |k: &usize| products[*k] - step.limit_targets[*k];
+        let counts = |k: usize| compliances[k] == 0.0 || counting == RowSelection::All;
+        let violated: Vec<usize> = (0..limits.len())
+            .filter(|k| counts(*k) && products[*k] < step.limit_targets[*k] - 1e-12 && !active.contains(k))
             .collect();
         let mut of_limits = vec![0.0; limits.len()];
-        active.iter().zip(pulls).for_each(|(&k, pull)| of_limits[k] = if give[k] > 0.0 { 0.0 } else { pull });
+        for (&limit, multiplier) in active.iter().zip(of_active).filter(|(limit, _)| compliances[**limit] <= 0.0) {
+            of_limits[limit] = multiplier;
+        }
         best = Some((y, Multipliers { rows: of_rows, limits: of_limits }));
-        let below = |k: &usize| height[*k] - step.floor[*k];
-        let Some(worst) = broken.iter().copied().min_by(|a, b| below(a).total_cmp(&below(b))) else { break };
-        if give[worst] > 0.0 && turn < MAX_BATCHED_TURNS {
-            active.extend(broken.into_iter().filter(|k| give[*k] > 0.0));
+        let Some(worst) = violated.iter().copied().min_by(|a, b| excess(a).total_cmp(&excess(b))) else { break };
+        if is_batched(worst) {
+            active.extend(violated.into_iter().filter(|limit| compliances[*limit] > 0.0));
         } else {
             active.push(worst);
         }
     }
-    let still = || Multipliers { rows: vec![0.0; jacobian.rows], limits: vec![0.0; limits.len()] };
-    best.unwrap_or_else(|| (x.to_vec(), still()))
+    best.unwrap_or_else(|| {
+        (x.to_vec(), Multipliers { rows: vec![0.0; jacobian.rows], limits: vec![0.0; limits.len()] })
+    })
 }
 
 /// Multipliers of the residuals and of the limits. A limit's multiplier is 0 or more.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Multipliers {
     pub rows: Vec<f64>,
     pub limits: Vec<f64>,
@@ -198,10 +186,10 @@ struct QpStep<'a> {
     linear: &'a Linearization<'a>,
     /// Value that the product of each row of the Jacobian with `y` should have. The next field is the least product of
     /// each row of limits.
-    wanted: Vec<f64>,
-    floor: Vec<f64>,
+    targets: Vec<f64>,
+    limit_targets: Vec<f64>,
     /// Right side of the equations that the soft residuals add to the metric.
-    pull: Vec<f64>,
+    soft_right: Vec<f64>,
     counting: RowSelection,
     mu: f64,
 }
@@ -210,66 +198,65 @@ impl QpStep<'_> {
     /// Computes the smallest `y` that keeps the `active` limits at 0, the multipliers of all residuals, and the
     /// multipliers of the active limits.
     ///
-    /// With `M = L L^T` for the soft rows and `y0 = M^-1 pull`, `|y|^2` and the soft rows together are `|L^T (y -
+    /// With `M = L L^T` for the soft rows and `y0 = M^-1 right`, `|y|^2` and the soft rows together are `|L^T (y -
     /// y0)|^2`. Only firm rows remain, each as `L^-1 a`.
     fn with_active(&self, active: &[usize]) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
-        let Linearization { jacobian, slopes, rows, compliances: give, fixed, metric, work } = self.linear;
-        let is_spring = |limit: &&usize| give[**limit] > 0.0;
+        let Linearization { jacobian, slopes, rows, compliances, fixed, metric, work } = self.linear;
+        let (soft_limits, hard_limits): (Vec<usize>, Vec<usize>) =
+            active.iter().partition(|limit| compliances[**limit] > 0.0);
         let are_soft = self.counting == RowSelection::All && metric.is_some();
-        // Without soft rows and active springs M is I.
-        let soft = (are_soft || active.iter().any(|limit| is_spring(&limit))).then(|| {
-            let unsoft = || identity(jacobian.columns);
-            let mut metric = metric.clone().filter(|_| are_soft).unwrap_or_else(unsoft);
-            let mut pull = self.pull.clone();
-            for &limit in active.iter().filter(is_spring) {
+        // Without soft rows and active soft limits M is I.
+        let soft = (are_soft || !soft_limits.is_empty()).then(|| {
+            let identity = || Matrix::identity(jacobian.columns);
+            let mut metric = metric.clone().filter(|_| are_soft).unwrap_or_else(identity);
+            let mut right = self.soft_right.clone();
+            for limit in soft_limits {
                 if !work.spend(square(jacobian.columns)) {
                     break;
                 }
-                add_square(&mut metric, slopes.row(limit), give[limit]);
-                add_scaled(&mut pull, slopes.row(limit), self.floor[limit] / give[limit]);
+                add_square(&mut metric, slopes.row(limit), compliances[limit]);
+                add_scaled(&mut right, slopes.row(limit), self.limit_targets[limit] / compliances[limit]);
             }
             let lower = cholesky(&metric, work);
-            let rest = solve_lower_transposed(&lower, &solve_lower(&lower, &pull));
-            (lower, rest)
+            let y0 = solve_lower_transposed(&lower, &solve_lower(&lower, &right));
+            (lower, y0)
         });
-        let asked = || (0..rows.len()).filter(|row| rows[*row] == Hold::Objective);
-        let asking = asked().filter(|_| self.counting != RowSelection::Fixed);
-        let limits = active.iter().filter(|limit| give[**limit] == 0.0);
-        let firm: Vec<FirmRow> = asking
+        let objective = || (0..rows.len()).filter(|row| rows[*row] == Hold::Objective);
+        let firm: Vec<FirmRow> = objective()
+            .filter(|_| self.counting != RowSelection::Fixed)
             .map(FirmRow::Objective)
             .chain(fixed.iter().copied().map(FirmRow::Fixed))
-            .chain(limits.copied().map(FirmRow::Limit))
+            .chain(hard_limits.into_iter().map(FirmRow::Limit))
             .collect();
-        let trace: f64 = asked().map(|row| dot(jacobian.row(row), jacobian.row(row))).sum();
+        let trace: f64 = objective().map(|row| dot(jacobian.row(row), jacobian.row(row))).sum();
         // Firm rows come first, so the softness of the objective exceeds their rounding errors.
-        let is_asked_alone = firm.iter().all(|row| matches!(row, FirmRow::Objective(_)));
-        let asking = if is_asked_alone { self.mu } else { self.mu.max(MIN_MU_BESIDE_LIMITS * trace) };
+        let is_objective = |row: &FirmRow| matches!(row, FirmRow::Objective(_));
+        let objective_mu =
+            if firm.iter().all(is_objective) { self.mu } else { self.mu.max(MIN_MU_BESIDE_LIMITS * trace) };
         let mut all = Matrix::zero(firm.len(), jacobian.columns);
         let (mut right, mut softness) = (Vec::new(), Vec::new());
         for (k, row) in firm.iter().enumerate() {
-            let (a, wanted) = match *row {
-                FirmRow::Objective(row) | FirmRow::Fixed(row) => (jacobian.row(row), self.wanted[row]),
-                FirmRow::Limit(limit) => (slopes.row(limit), self.floor[limit]),
+            let (a, target) = match *row {
+                FirmRow::Objective(row) | FirmRow::Fixed(row) => (jacobian.row(row), self.targets[row]),
+                FirmRow::Limit(limit) => (slopes.row(limit), self.limit_targets[limit]),
             };
-            if let Some((lower, rest)) = &soft
+            if let Some((lower, y0)) = &soft
                 && work.spend(square(jacobian.columns))
             {
                 all.row_mut(k).copy_from_slice(&solve_lower(lower, a));
-                right.push(wanted - dot(a, rest));
+                right.push(target - dot(a, y0));
             } else {
                 all.row_mut(k).copy_from_slice(a);
-                right.push(wanted);
+                right.push(target);
             }
-            let is_asked = matches!(row, FirmRow::Objective(_));
-            softness.push(if is_asked { asking } else { LIMIT_TOLERANCE * dot(a, a) + MIN_MU });
+            softness.push(if is_objective(row) { objective_mu } else { LIMIT_TOLERANCE * dot(a, a) + MIN_MU });
         }
         let mut normal = all.times_transposed(&all, work);
         softness.iter().enumerate().for_each(|(k, mu)| *normal.at(k, k) += mu);
         let weights = solve_symmetric(normal, right, work);
         let mut y = all.transposed_times(&weights);
-        if let Some((lower, rest)) = &soft {
-            y = solve_lower_transposed(lower, &y);
-            y.iter_mut().zip(rest).for_each(|(y, rest)| *y += rest);
+        if let Some((lower, y0)) = &soft {
+            y = scaled_sum(&solve_lower_transposed(lower, &y), y0, 1.0);
         }
         let mut of_rows = vec![0.0; rows.len()];
         let mut of_limits = vec![0.0; slopes.rows];
@@ -279,15 +266,12 @@ impl QpStep<'_> {
                 FirmRow::Limit(limit) => of_limits[limit] = weight,
             }
         }
-        let pull_of = |&limit: &usize| {
-            if give[limit] > 0.0 {
-                (self.floor[limit] - dot(slopes.row(limit), &y)) / give[limit]
-            } else {
-                of_limits[limit]
-            }
+        let multiplier = |&limit: &usize| match compliances[limit] {
+            compliance if compliance > 0.0 => (self.limit_targets[limit] - dot(slopes.row(limit), &y)) / compliance,
+            _ => of_limits[limit],
         };
-        let pulls = active.iter().map(pull_of).collect();
-        (y, of_rows, pulls)
+        let of_active = active.iter().map(multiplier).collect();
+        (y, of_rows, of_active)
     }
 }
 
@@ -326,15 +310,9 @@ mod tests {
             vec![0.0; limits.len()],
             &work,
         );
-        let residual: Vec<f64> = (0..rows.len()).map(|row| if row == 0 { residual } else { 0.0 }).collect();
-        let limits: Vec<f64> = limits.iter().map(|(value, _)| *value).collect();
-        smallest_step(
-            &[0.0, 0.0],
-            &linear,
-            Values { residual: &residual, limits: &limits, counting: RowSelection::All },
-            1e-12,
-        )
-        .0
+        let residual = &[vec![residual], vec![0.0; pins.len()]].concat();
+        let limits = limits.iter().map(|(value, _)| *value).collect();
+        smallest_step(&[0.0; 2], &linear, Values { residual, limits, counting: RowSelection::All }, 1e-12).0
     }
 
     fn near(y: &[f64], expected: [f64; 2]) {
@@ -355,7 +333,7 @@ mod tests {
     }
 
     /// A hard pin is kept at the expense of the objective. A soft pin yields by its cost: with `a = 2 - b`, the least
-    /// value of `a^2 + b^2 + b^2 / give` has `b = 2 give / (1 + 2 give)`.
+    /// value of `a^2 + b^2 + b^2 / c` at compliance `c` has `b = 2 c / (1 + 2 c)`.
     #[test]
     fn pins_hold() {
         near(&pinned(-2.0, &[], &[(Hold::Fixed, [0.0, 1.0])]), [2.0, 0.0]);

@@ -32,13 +32,13 @@ impl Solution {
     /// Goes on from the share `from` of the path, and if necessary jumps to a different light that has the feature
     /// under the cursor. Returns true if it converges.
     pub fn jump(&mut self, goal: &Goal, near: &TrackedPoints, from: f64) -> bool {
-        let places = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
+        let samples = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
         let mut share = from;
         while share < 1.0 {
-            match self.continue_to(goal, share, (share + 1.0 / places).min(1.0)) {
-                Some(reached) => share = reached,
-                None => return self.place_rigidly(goal, near),
-            }
+            let Some(reached) = self.continue_to(goal, share, (share + 1.0 / samples).min(1.0)) else {
+                return self.place_rigidly(goal, near);
+            };
+            share = reached;
         }
         self.iterate.is_converged() || self.place_rigidly(goal, near)
     }
@@ -50,16 +50,13 @@ impl Solution {
         let parts = || std::iter::successors(Some(1.0), |part| Some(part * 0.25)).take(PARTS);
         let next_of = |part: f64| if part < 1.0 { share + (end - share) * part } else { end };
         let mut reached = parts().map(next_of).find_map(|next| {
-            let at = self
-                .newton_to(goal, next, RowSelection::All)
-                .or_else(|| self.newton_along_joint(goal, next))?;
+            let at = self.newton_to(goal, next, RowSelection::All).or_else(|| self.newton_along_joint(goal, next))?;
             Some((at, next))
         });
         // Soft pins yield if nothing else has a solution.
         if reached.is_none() && goal.has_soft_pins() {
-            reached = parts()
-                .map(next_of)
-                .find_map(|next| Some((self.newton_to(goal, next, RowSelection::Firm)?, next)));
+            reached =
+                parts().map(next_of).find_map(|next| Some((self.newton_to(goal, next, RowSelection::Firm)?, next)));
         }
         let (at, next) = reached?;
         self.iterate = at;
@@ -68,36 +65,30 @@ impl Solution {
 
     /// Moves the light rigidly so that the feature is under the cursor. Returns true if the limits allow it.
     fn place_rigidly(&mut self, goal: &Goal, near: &TrackedPoints) -> bool {
-        let Some((x, near)) = rigid_start(goal, near) else { return false };
-        let Some(evaluation) = goal.evaluate(&x, 1.0, &near) else { return false };
-        let at = Iterate { x, evaluation };
-        let is_there = at.is_converged();
-        if is_there {
-            self.iterate = at;
-            self.shrink(goal);
-        }
-        is_there
+        let rigid = rigid_start(goal, near).and_then(|(x, near)| Iterate::new(goal, x, 1.0, &near));
+        let Some(at) = rigid.filter(Iterate::is_converged) else { return false };
+        self.iterate = at;
+        self.shrink(goal);
+        true
     }
 
     /// Finds the nearest light that has the feature at its target at a share of the path, by Newton's method.
     /// `counting` selects the pins that have to be kept.
     pub fn newton_to(&mut self, goal: &Goal, share: f64, counting: RowSelection) -> Option<Iterate> {
-        let evaluation = goal.evaluate(&self.iterate.x, share, &self.iterate.evaluation.tracked)?;
-        let from = self.iterate.x.clone();
-        let mut at = Iterate { x: from.clone(), evaluation };
-        for over in DIFFERENCE_STEPS {
+        let mut at = self.iterate.at_share(goal, share)?;
+        let from = at.x.clone();
+        for difference in DIFFERENCE_STEPS {
             if at.is_converged() {
                 return Some(at);
             }
             self.iterations += 1;
-            let linear = goal.linearize(&at.x, share, &at.evaluation, over);
+            let linear = goal.linearize(&at.x, share, &at.evaluation, difference);
             let mu = 1e-15 * objective_trace(&linear);
-            let x = self.step_target(goal, &from, &at, &linear, (mu, counting));
+            let x = self.step_target(goal, &from, &at, &linear, mu, counting);
             if length_between(&x, &from) > MAX_STEP {
                 return None;
             }
-            let evaluation = goal.evaluate(&x, share, &at.evaluation.tracked)?;
-            at = Iterate { x, evaluation };
+            at = at.moved_to(goal, x, share)?;
             // Beside limits the objective is weighed against the change. A separate restoration removes the remaining
             // error.
             if let Some(at) = restore_feasibility(goal, share, &linear, &at, RowSelection::Firm) {
@@ -112,18 +103,14 @@ impl Solution {
     /// Slopes jump where two segments meet. If the slopes of each side lead to the other, the nearest light has the
     /// point on the joint itself, and along the joint both sides have the same slopes.
     pub fn newton_along_joint(&mut self, goal: &Goal, share: f64) -> Option<Iterate> {
-        let places = self.iterate.evaluation.tracked.first()?.iter().enumerate();
-        let joints: Vec<_> = places
-            .map(|(which, t)| (which, t.round()))
-            .filter(|(which, joint)| {
-                *joint > 0.0
-                    && (self.iterate.evaluation.tracked[0][*which] - joint).abs() < MAX_JOINT_DISTANCE
-            })
-            .collect();
-        joints.into_iter().find_map(|joint| {
-            let found = self.newton_to(&goal.at_joint(joint), share, RowSelection::All)?;
-            let evaluation = goal.evaluate(&found.x, share, &found.evaluation.tracked)?;
-            Some(Iterate { evaluation, ..found }).filter(Iterate::is_converged)
+        let tracked = *self.iterate.evaluation.tracked.first()?;
+        tracked.into_iter().enumerate().find_map(|(which, t)| {
+            let joint = t.round();
+            if !(joint > 0.0 && (t - joint).abs() < MAX_JOINT_DISTANCE) {
+                return None;
+            }
+            let found = self.newton_to(&goal.at_joint(which, joint), share, RowSelection::All)?;
+            found.at_share(goal, share).filter(Iterate::is_converged)
         })
     }
 
@@ -132,10 +119,8 @@ impl Solution {
     pub fn shrink(&mut self, goal: &Goal) {
         for _ in 0..MAX_SHRINK_STEPS {
             let smaller: Vec<f64> = self.iterate.x.iter().map(|x| x * (1.0 - SHRINK)).collect();
-            let Some(evaluation) = goal.evaluate(&smaller, 1.0, &self.iterate.evaluation.tracked) else {
-                return;
-            };
-            let mut found = Self { iterate: Iterate { x: smaller, evaluation }, ..self.clone() };
+            let Some(iterate) = self.iterate.moved_to(goal, smaller, 1.0) else { return };
+            let mut found = Self { iterate, ..self.clone() };
             match found.newton_to(goal, 1.0, RowSelection::All) {
                 Some(at) if dot(&at.x, &at.x) < dot(&self.iterate.x, &self.iterate.x) => self.iterate = at,
                 _ => return,

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use light::Light;
+use raycast::SeenPoint;
 use scene::Camera;
 
 /// View in which the user drags.
@@ -69,6 +70,13 @@ pub enum Feature {
     Highlight,
     /// Brightest side of a surface: light arrives at M' along the normal.
     Diffuse,
+}
+
+impl Feature {
+    /// Returns the direction from which light arrives at a surface point with a highlight, or else with the lit side.
+    pub(crate) fn target_direction(self, seen: &SeenPoint) -> DVec3 {
+        if self == Self::Highlight { seen.mirror_direction() } else { seen.normal }
+    }
 }
 
 /// Handling of radii while control points move.

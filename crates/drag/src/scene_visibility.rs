@@ -41,8 +41,8 @@ impl SceneVisibility<'_> {
     /// Returns tangents of the shadow edges and surfaces that the light with the unknowns `x` has crossed, as limits
     /// for the next solve. Empty if it has crossed none. Checks soft pins too if `are_soft`.
     pub fn violated_tangents(&self, goal: &Goal, x: &[f64], are_soft: bool) -> Vec<OcclusionTangent> {
-        let broken = self.violated_pins(goal, x, |pin| pin.is_hard || are_soft);
-        let edges = broken.into_iter().filter_map(|pin| self.edge(goal, pin, x));
+        let pins = self.violated_pins(goal, x, |pin| pin.is_hard || are_soft);
+        let edges = pins.into_iter().filter_map(|pin| self.edge(goal, pin, x));
         let edges: Vec<OcclusionTangent> = edges.take(EDGES_AT_ONCE).collect();
         if edges.is_empty() { self.surface(goal, x).into_iter().collect() } else { edges }
     }
@@ -59,33 +59,29 @@ impl SceneVisibility<'_> {
         &self,
         goal: &'g Goal,
         x: &[f64],
-        is_looked_at: impl Fn(&PinState) -> bool,
+        is_checked: impl Fn(&PinState) -> bool,
     ) -> Vec<&'g PinState> {
-        let looked_at = goal.pins.iter().filter(|pin| is_looked_at(pin));
-        if let Some(rays) = goal.rays(x) {
-            let placed = goal.scene_light.with(&rays);
-            looked_at.filter(|pin| self.is_pin_held(&placed, pin) != Some(true)).collect()
-        } else {
-            looked_at.collect()
-        }
+        let rays = goal.rays(x);
+        let placed = rays.as_ref().map(|rays| goal.scene_light.with(rays));
+        let is_held = |pin| placed.as_ref().is_some_and(|placed| self.is_pin_held(placed, pin) == Some(true));
+        goal.pins.iter().filter(|pin| is_checked(pin) && !is_held(pin)).collect()
     }
 
     /// True if a pin is fulfilled in a light. Where paths of the light overlap, the root that counts decides. `None` if
     /// the point has no light coordinates.
     fn is_pin_held(&self, placed: &SceneLight, pin: &PinState) -> Option<bool> {
-        let place = placed.locate(pin.point, None)?;
-        let is_inside = placed.rho2(&place) <= 1.0 && place.distance_to_ends >= 0.0;
+        let coords = placed.locate(pin.point, None)?;
         let is_held = match (pin.kind, pin.pivot) {
-            (PinKind::Lit, _) => pin.is_lit(self.occlusion, placed, &place),
+            (PinKind::Lit, _) => pin.is_lit(self.occlusion, placed, &coords),
             (PinKind::Shadow, Some((pivot, _))) => {
                 let pivot = placed.locate(pivot, None)?;
-                pivot.t < place.t
-                    && cross_error(pivot.cross_coords, &place, &pin.start_coords).length() < HELD_TOLERANCE
+                pivot.t < coords.t
+                    && cross_error(pivot.cross_coords, &coords, &pin.start_coords).length() < HELD_TOLERANCE
             }
-            (PinKind::Shadowed | PinKind::Shadow, _) => pin.is_shadowed(self.occlusion, placed, &place),
-            (PinKind::Direction, _) => place.to_light.distance(pin.start_coords.to_light) < HELD_TOLERANCE,
+            (PinKind::Shadowed | PinKind::Shadow, _) => pin.is_shadowed(self.occlusion, placed, &coords),
+            (PinKind::Direction, _) => coords.to_light.distance(pin.start_coords.to_light) < HELD_TOLERANCE,
         };
-        Some(is_inside && is_held)
+        Some(placed.contains(&coords) && is_held)
     }
 
     /// Finds the shadow edge that a pinned point crosses if the unknowns change in a straight line from the start to
@@ -95,73 +91,59 @@ impl SceneVisibility<'_> {
         if !matches!(pin.kind, PinKind::Lit | PinKind::Shadowed) {
             return None;
         }
-        let (mut holds, mut broken) = (0.0, 1.0);
+        let (mut holds, mut violated) = (0.0, 1.0);
         for _ in 0..HALVINGS {
-            let middle = f64::midpoint(holds, broken);
+            let middle = f64::midpoint(holds, violated);
             let is_held = in_light(goal, &at(middle), |placed| self.is_pin_held(placed, pin)) == Some(true);
-            if is_held { holds = middle } else { broken = middle }
+            if is_held { holds = middle } else { violated = middle }
         }
-        let shadowed = if pin.kind == PinKind::Lit { broken } else { holds };
+        let shadowed = if pin.kind == PinKind::Lit { violated } else { holds };
         in_light(goal, &at(shadowed), |placed| {
-            let place = pin.shadow_coords(placed, &placed.locate(pin.point, None)?)?;
+            let coords = pin.shadow_coords(placed, &placed.locate(pin.point, None)?)?;
             let first = |across: DVec2, contact| {
-                self.occlusion.first_caster_on_path(placed, &place, across, pin.shadow_point, contact)
+                self.occlusion.first_caster_on_path(placed, &coords, across, pin.shadow_point, contact, |_| true)
             };
-            let caster = first(place.cross_coords, pin.contact)?;
+            let caster = first(coords.cross_coords, pin.contact)?;
             // The pin's own surface, which neighbouring light paths meet too, does not count.
-            let reach = EDGE_PROBE_RADIUS * pin.start_coords.width / place.width;
+            let reach = EDGE_PROBE_RADIUS * pin.start_coords.width / coords.width;
             let mut contact = pin.contact;
-            contact.within += 8.0 * reach * place.width;
+            contact.within += 8.0 * reach * coords.width;
             let is_lit = |across: DVec2| first(across, contact).is_none();
-            let around = (0..EDGE_PROBE_COUNT).map(|way| {
-                let angle = std::f64::consts::TAU * way as f64 / EDGE_PROBE_COUNT as f64;
-                DVec2::new(libm::cos(angle), libm::sin(angle))
+            let allowed = (0..EDGE_PROBE_COUNT).map(|k| {
+                let angle = std::f64::consts::TAU * k as f64 / EDGE_PROBE_COUNT as f64;
+                let side = DVec2::new(libm::cos(angle), libm::sin(angle));
+                let is_allowed = is_lit(coords.cross_coords + side * reach) == (pin.kind == PinKind::Lit);
+                if is_allowed { side } else { -side }
             });
-            let allowed: DVec2 = around
-                .map(|way| {
-                    let is_allowed = is_lit(place.cross_coords + way * reach) == (pin.kind == PinKind::Lit);
-                    if is_allowed { way } else { -way }
-                })
-                .sum();
-            let allowed = allowed.try_normalize()?;
-            Some(OcclusionTangent::ShadowEdge {
-                pin: pin.index,
-                caster: caster.position,
-                t: caster.t,
-                allowed,
-            })
+            let allowed = allowed.sum::<DVec2>().try_normalize()?;
+            Some(OcclusionTangent::ShadowEdge { pin: pin.index, caster: caster.position, t: caster.t, allowed })
         })
     }
 
     /// Finds the surface that the source crosses on the straight line from the start of the drag to its position in the
-    /// light with the unknowns `x`.
+    /// light with the unknowns `x`, and makes it a limit for the source. Shadow links are ignored.
+    ///
+    /// The source keeps a distance of a thousandth of the scene's size, or of half its distance at the start.
     fn surface(&self, goal: &Goal, x: &[f64]) -> Option<OcclusionTangent> {
         let Unknowns::Rigid { unit } = goal.unknowns else { return None };
         if !self.source_outside {
             return None;
         }
-        let (from, way) = (goal.scene_light.source(), DVec3::from_slice(&x[..3]) * unit);
-        self.surface_between(from, way)
-    }
-
-    /// Finds the first surface on a line, and makes it a limit for the source. Shadow links are ignored.
-    ///
-    /// The source keeps a distance of a thousandth of the scene's size, or of half its distance at the start.
-    fn surface_between(&self, from: DVec3, way: DVec3) -> Option<OcclusionTangent> {
+        let (from, offset) = (goal.scene_light.source(), DVec3::from_slice(&x[..3]) * unit);
         let bvh = self.occlusion.bvh;
         let size = bvh.posed.half_extent.length();
         // The ray is longer by the distance that the source keeps.
-        let reach = 1.0 + SURFACE_CLEARANCE_SHARE * size / way.length().max(f64::MIN_POSITIVE);
+        let reach = 1.0 + SURFACE_CLEARANCE_SHARE * size / offset.length().max(f64::MIN_POSITIVE);
         let spend = |boxes| self.occlusion.work.spend_on_rays(boxes);
-        let hit = bvh.first_hit_budgeted(from, way, [0.0, reach], spend, |hit| {
+        let hit = bvh.first_hit_budgeted(from, offset, [0.0, reach], spend, |hit| {
             bvh.passes_alpha_test(&bvh.triangles[hit.triangle], hit.barycentrics)
         })?;
         let normal = bvh.triangles[hit.triangle].normal().normalize();
-        let normal = if normal.dot(way) < 0.0 { normal } else { -normal };
-        let at = from + way * hit.distance;
-        let off = (SURFACE_CLEARANCE_SHARE * size).min(0.5 * (from - at).dot(normal));
-        let is_off = (from + way - at).dot(normal) >= 0.99 * off;
-        (!is_off).then_some(OcclusionTangent::Surface { at, normal, clearance: off, size })
+        let normal = if normal.dot(offset) < 0.0 { normal } else { -normal };
+        let at = from + offset * hit.distance;
+        let clearance = (SURFACE_CLEARANCE_SHARE * size).min(0.5 * (from - at).dot(normal));
+        let is_clear = (from + offset - at).dot(normal) >= 0.99 * clearance;
+        (!is_clear).then_some(OcclusionTangent::Surface { at, normal, clearance, size })
     }
 }
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 use light::CheckedLight;
 
 use crate::goal::{DIFFERENCE, Goal, Objective, TrackedPoints};
-use crate::matrix::length;
+use crate::matrix::{difference, length, scaled_sum};
 use crate::moves::Unknowns;
 use crate::point_in_light::SceneLight;
 use crate::quadratic::{Hold, RowSelection};
@@ -60,17 +60,16 @@ pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusM
     }
     light.tube()?;
     let unit = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
-    let moves = Unknowns::Points { points: vec![point], radii, unit };
-    let asked = Objective::Position { point, to };
+    let unknowns = Unknowns::Points { points: vec![point], radii, unit };
+    let objective = Objective::Position { point, to };
     let work = WorkBudget::new(&|_| true);
-    let placed = SceneLight::new(light.rays(), DVec3::ZERO, DVec3::ZERO, &work);
-    let goal = Goal::new(asked, (light, moves), placed, Vec::new());
+    let scene_light = SceneLight::new(light.rays(), DVec3::ZERO, DVec3::ZERO, &work);
+    let goal = Goal::new(objective, light, unknowns, scene_light, Vec::new());
     let near = vec![[0.0; 2]];
     // Without a limit the point reaches its target to the last bit.
-    let all_of_it = ((to - points[point].position) / unit).to_array();
-    let reaches = goal
-        .evaluate(&all_of_it, 1.0, &near)
-        .is_some_and(|at| at.bounds.iter().all(|bound| bound.value >= 0.0));
+    let whole_change = ((to - points[point].position) / unit).to_array();
+    let reaches =
+        goal.evaluate(&whole_change, 1.0, &near).is_some_and(|at| at.bounds.iter().all(|bound| bound.value >= 0.0));
     if reaches {
         let mut moved = points.to_vec();
         moved[point].position = to;
@@ -80,33 +79,28 @@ pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusM
             return Some(Slide { light, limit: None, distance_left: 0.0 });
         }
     }
-    let found = solve_position(&goal, &near, &all_of_it)?;
+    let found = solve_position(&goal, &near, &whole_change)?;
     let moved = CheckedLight::new(goal.unknowns.light(light.light(), &found.iterate.x));
     // A light that the solver accepts does not fold, and so can be evaluated. The light of the start can be in any
     // case.
     let light = moved.unwrap_or_else(|_| light.clone());
-    let short_by = light.light().points()[point].position.distance(to);
-    Some(Slide {
-        light,
-        limit: Some(found.strongest_limit.unwrap_or(DragLimit::NoDescent)),
-        distance_left: short_by,
-    })
+    let distance_left = light.light().points()[point].position.distance(to);
+    Some(Slide { light, limit: found.strongest_limit.or(Some(DragLimit::NoDescent)), distance_left })
 }
 
 /// Moves the control point straight towards its target up to the first limit, and then slides along that limit.
 ///
 /// For each share of the straight line there is one light, and the search checks if it is feasible.
-fn solve_position(goal: &Goal, near: &TrackedPoints, way: &[f64]) -> Option<Solution> {
+fn solve_position(goal: &Goal, near: &TrackedPoints, whole_change: &[f64]) -> Option<Solution> {
     let mut found = Solution::begin(goal, near)?;
     let at = |share: f64| {
-        let x: Vec<f64> = way.iter().map(|way| way * share).collect();
-        let at = Iterate { evaluation: goal.evaluate(&x, share, near)?, x };
-        at.is_converged().then_some(at)
+        let x = whole_change.iter().map(|change| change * share).collect();
+        Iterate::new(goal, x, share, near).filter(Iterate::is_converged)
     };
-    let places = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
+    let samples = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
     let mut share = 0.0;
-    let mut step = 1.0 / places;
-    for _ in 0..places as usize + LIMIT_HALVINGS {
+    let mut step = 1.0 / samples;
+    for _ in 0..samples as usize + LIMIT_HALVINGS {
         match at(share + step).filter(|_| share + step <= 1.0) {
             Some(next) => (found.iterate, share) = (next, share + step),
             None => step *= 0.5,
@@ -129,15 +123,16 @@ impl Cost<'_> {
     /// soft pins.
     fn of(&self, at: &Iterate) -> f64 {
         let rows = at.evaluation.residual.iter().zip(at.evaluation.rows.iter());
-        let of_rows = rows.map(|(off, row)| if let Hold::Soft(give) = row { off * off / give } else { 0.0 });
-        let springs = at.evaluation.bounds.iter().filter(|bound| bound.compliance > 0.0);
-        let of_springs = springs.map(|bound| {
-            let broken = bound.value.min(0.0);
-            broken * broken / bound.compliance
+        let of_rows =
+            rows.map(|(error, row)| if let Hold::Soft(compliance) = row { error * error / compliance } else { 0.0 });
+        let soft_bounds = at.evaluation.bounds.iter().filter(|bound| bound.compliance > 0.0);
+        let of_bounds = soft_bounds.map(|bound| {
+            let violation = bound.value.min(0.0);
+            violation * violation / bound.compliance
         });
-        let soft: f64 = of_rows.chain(of_springs).sum();
-        let (off, gone) = (at.objective_error(), length_between(&at.x, self.limit_x));
-        off * off + self.compliance * (gone * gone + soft)
+        let soft: f64 = of_rows.chain(of_bounds).sum();
+        let (error, change) = (at.objective_error(), length_between(&at.x, self.limit_x));
+        error * error + self.compliance * (change * change + soft)
     }
 }
 
@@ -147,14 +142,11 @@ impl Solution {
     ///
     /// The cost weighs the error of the feature against the change of the light. So the light neither jumps nor changes
     /// much for a small gain. The target of the feature may lie outside the light.
-    pub fn slide(&mut self, to_land: &Goal, from: f64) {
-        let wall = self.iterate.x.clone();
-        let Some(evaluation) = to_land.evaluate(&wall, from, &self.iterate.evaluation.tracked) else {
-            return;
-        };
-        let pull = objective_trace(&to_land.linearize(&wall, from, &evaluation, DIFFERENCE));
-        let cost = Cost { limit_x: &wall, compliance: OBJECTIVE_COMPLIANCE * pull };
-        let goal = to_land.with_edge_compliance(cost.compliance);
+    pub fn slide(&mut self, hard_goal: &Goal, from: f64) {
+        let Some(start) = self.iterate.at_share(hard_goal, from) else { return };
+        let trace = objective_trace(&hard_goal.linearize(&start.x, from, &start.evaluation, DIFFERENCE));
+        let cost = Cost { limit_x: &start.x, compliance: OBJECTIVE_COMPLIANCE * trace };
+        let goal = hard_goal.with_edge_compliance(cost.compliance);
         for step in 1..=SLIDE_STEPS {
             let share = from + (1.0 - from) * step as f64 / SLIDE_STEPS as f64;
             self.cheaper_step(&goal, share, &cost, MAX_STEP);
@@ -167,7 +159,7 @@ impl Solution {
             }
         }
         if let (Objective::Feature(_), Some(at)) =
-            (&to_land.objective, self.newton_to(to_land, 1.0, RowSelection::Firm))
+            (&hard_goal.objective, self.newton_to(hard_goal, 1.0, RowSelection::Firm))
         {
             self.iterate = at;
         }
@@ -177,20 +169,16 @@ impl Solution {
     /// found.
     fn cheaper_step(&mut self, goal: &Goal, share: f64, cost: &Cost, longest: f64) -> Option<f64> {
         self.iterations += 1;
-        self.iterate.evaluation = goal.evaluate(&self.iterate.x, share, &self.iterate.evaluation.tracked)?;
-        let at = self.iterate.clone();
+        let at = self.iterate.at_share(goal, share)?;
+        self.iterate = at.clone();
         let linear = goal.linearize(&at.x, share, &at.evaluation, DIFFERENCE);
-        let x = self.step_target(goal, cost.limit_x, &at, &linear, (cost.compliance, RowSelection::All));
-        let way: Vec<f64> = x.iter().zip(&at.x).map(|(wanted, x)| wanted - x).collect();
+        let target = self.step_target(goal, cost.limit_x, &at, &linear, cost.compliance, RowSelection::All);
+        let step = difference(&target, &at.x);
         let (before, was_allowed) = (cost.of(&at), at.is_feasible());
-        let mut factor = (longest / length(&way)).min(1.0);
+        let mut factor = (longest / length(&step)).min(1.0);
         for _ in 0..QUARTERINGS {
-            let x: Vec<f64> = at.x.iter().zip(&way).map(|(x, way)| x + factor * way).collect();
-            let next =
-                goal.evaluate(&x, share, &at.evaluation.tracked).map(|evaluation| Iterate { x, evaluation });
-            if let Some(next) = next {
-                let next =
-                    restore_feasibility(goal, share, &linear, &next, RowSelection::Fixed).unwrap_or(next);
+            if let Some(next) = at.moved_to(goal, scaled_sum(&at.x, &step, factor), share) {
+                let next = restore_feasibility(goal, share, &linear, &next, RowSelection::Fixed).unwrap_or(next);
                 if next.is_feasible() && (cost.of(&next) < before || !was_allowed) {
                     let moved = length_between(&next.x, &at.x);
                     self.iterate = next;

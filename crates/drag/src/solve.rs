@@ -19,51 +19,42 @@ const LINE_SEARCH_STEPS: usize = 32;
 /// Visibility has no slope. So the drag is solved without it, and if the resulting light breaks a visibility
 /// constraint, the edge that it crossed becomes a further limit. If the budget is spent, the result is the latest
 /// light, which may break any constraint.
-pub(crate) fn solve(goal: &mut Goal, near: &TrackedPoints, sight: &SceneVisibility) -> Option<Solution> {
+pub(crate) fn solve(goal: &mut Goal, near: &TrackedPoints, visibility: &SceneVisibility) -> Option<Solution> {
     let mut found = solve_with_tangents(goal, near)?;
     while goal.tangents.len() < MAX_TANGENTS[0] {
         let are_soft = goal.tangents.len() < MAX_TANGENTS[1];
-        let cuts = sight.violated_tangents(goal, &found.iterate.x, are_soft);
-        if cuts.is_empty() {
+        let tangents = visibility.violated_tangents(goal, &found.iterate.x, are_soft);
+        if tangents.is_empty() {
             break;
         }
-        goal.tangents.extend(cuts);
+        goal.tangents.extend(tangents);
         let Some(next) = solve_with_tangents(goal, near) else {
             return goal.work().is_exhausted().then_some(found);
         };
         found = Solution { iterations: found.iterations + next.iterations, ..next };
     }
     found.iterate = made_feasible(&goal.with_edge_compliance(1.0), found.iterate);
-    let unheld = sight.violated_limit(goal, &found.iterate.x);
+    let violated = visibility.violated_limit(goal, &found.iterate.x);
     if goal.work().is_exhausted() {
         return Some(found);
     }
-    if unheld.is_some() || !found.iterate.is_feasible() {
-        found.strongest_limit = unheld.or(found.strongest_limit);
-        found.iterate = feasible_on_line(goal, near, sight, &found.iterate.x)?;
+    if violated.is_some() || !found.iterate.is_feasible() {
+        found.strongest_limit = violated.or(found.strongest_limit);
+        found.iterate = feasible_on_line(goal, near, visibility, &found.iterate.x)?;
     }
     Some(found)
 }
 
 /// Changes the unknowns from the start of the drag along the straight line towards `x`, as long as all limits and hard
 /// pins are kept. Returns the last feasible state.
-fn feasible_on_line(
-    goal: &Goal,
-    near: &TrackedPoints,
-    sight: &SceneVisibility,
-    x: &[f64],
-) -> Option<Iterate> {
+fn feasible_on_line(goal: &Goal, near: &TrackedPoints, visibility: &SceneVisibility, x: &[f64]) -> Option<Iterate> {
     let goal = &goal.with_edge_compliance(1.0);
-    let begun = Solution::begin(goal, near)?.iterate;
-    let beginning =
-        Iterate { evaluation: goal.evaluate(&begun.x, 1.0, near).unwrap_or(begun.evaluation), x: begun.x };
+    let start = Solution::begin(goal, near)?.iterate;
     let at = |share: f64, near: &TrackedPoints| {
-        let x: Vec<f64> = x.iter().map(|x| x * share).collect();
-        let at = Iterate { evaluation: goal.evaluate(&x, 1.0, near)?, x };
-        let at = made_feasible(goal, at);
-        (at.is_feasible() && sight.violated_limit(goal, &at.x).is_none()).then_some(at)
+        let at = made_feasible(goal, Iterate::new(goal, x.iter().map(|x| x * share).collect(), 1.0, near)?);
+        (at.is_feasible() && visibility.violated_limit(goal, &at.x).is_none()).then_some(at)
     };
-    let (mut last, mut share) = (beginning, 0.0);
+    let (mut last, mut share) = (Iterate::new(goal, start.x.clone(), 1.0, near).unwrap_or(start), 0.0);
     let mut step = 1.0 / LINE_SEARCH_STEPS as f64;
     for _ in 0..2 * LINE_SEARCH_STEPS {
         match at(share + step, &last.evaluation.tracked) {
@@ -94,9 +85,9 @@ pub(crate) fn solve_with_tangents(goal: &Goal, near: &TrackedPoints) -> Option<S
     if share == 1.0 && found.converge(goal) {
         return Some(found);
     }
-    let wall = found.clone();
+    let followed = found.clone();
     if !found.jump(goal, near, share) {
-        found = Solution { iterations: found.iterations, ..wall };
+        found = Solution { iterations: found.iterations, ..followed };
         found.slide(goal, share);
     }
     Some(found)

@@ -21,8 +21,8 @@ pub(crate) fn rigid_start(goal: &Goal, near: &TrackedPoints) -> Option<(Vec<f64>
     let (from, to) = (taken.from.position, taken.to.position);
     let (pivot, turn) = match (taken.feature, taken.pivot) {
         (Feature::Shadow, Some(pivot)) => {
-            let (there, t) = point_at_distance(goal, taken, pivot, near[0], pivot.distance(to))?;
-            let turn = DQuat::from_rotation_arc((there - pivot).normalize(), (to - pivot).normalize());
+            let (point, t) = point_at_distance(goal, taken, pivot, near[0], pivot.distance(to))?;
+            let turn = DQuat::from_rotation_arc((point - pivot).normalize(), (to - pivot).normalize());
             let mut near = near.clone();
             near[0][0] = t;
             return Some((rigid_unknowns(goal, *unit, (pivot, pivot), turn), near));
@@ -39,8 +39,8 @@ pub(crate) fn rigid_start(goal: &Goal, near: &TrackedPoints) -> Option<(Vec<f64>
 /// Returns the unknowns that move a point of the light from `from` to `to` and rotate the light about that point.
 fn rigid_unknowns(goal: &Goal, unit: f64, (from, to): (DVec3, DVec3), turn: DQuat) -> Vec<f64> {
     let source = goal.scene_light.source();
-    let way = (to + turn * (source - from) - source) / unit;
-    [way.to_array(), turn.to_scaled_axis().to_array()].concat()
+    let translation = (to + turn * (source - from) - source) / unit;
+    [translation.to_array(), turn.to_scaled_axis().to_array()].concat()
 }
 
 /// Finds the point on the light path through the pivot that lies a distance behind the pivot, and the point's `t`.
@@ -52,21 +52,21 @@ fn point_at_distance(
     distance: f64,
 ) -> Option<(DVec3, f64)> {
     let LightRays::Bent(tube) = goal.scene_light.rays else {
-        let there = pivot + (taken.from.position - pivot).normalize() * distance;
-        return Some((there, pivot_t + distance));
+        let point = pivot + (taken.from.position - pivot).normalize() * distance;
+        return Some((point, pivot_t + distance));
     };
     let across = taken.start_coords.cross_coords;
     let path = BentPath::new(tube, across.x, across.y, goal.scene_light.origin_in_world);
     let at = |t: f64| {
-        let segment = (t as usize).min(tube.segments.len() - 1);
-        path.position_at(segment, t - segment as f64)
+        let (segment, u) = tube.segment_at(t);
+        path.position_at(segment, u)
     };
-    let end = if tube.segments.len() > tube.n { f64::INFINITY } else { tube.n as f64 };
-    let far = |t: f64| at(t).distance(pivot) - distance;
+    let end = tube.t_end();
+    let excess = |t: f64| at(t).distance(pivot) - distance;
     // Growing steps find a point that is too far, and bisection the one between.
     let (mut low, mut high) = (pivot_t, near_t);
     let mut step = (near_t - pivot_t).max(1e-6);
-    while far(high) < 0.0 {
+    while excess(high) < 0.0 {
         if high >= end || step > 1e12 {
             return None;
         }
@@ -76,7 +76,7 @@ fn point_at_distance(
     }
     for _ in 0..80 {
         let middle = f64::midpoint(low, high);
-        if far(middle) < 0.0 { low = middle } else { high = middle }
+        if excess(middle) < 0.0 { low = middle } else { high = middle }
     }
     let t = f64::midpoint(low, high);
     Some((at(t), t))

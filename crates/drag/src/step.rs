@@ -2,8 +2,8 @@
 
 use crate::bound::Bound;
 use crate::goal::{Evaluation, Goal, TrackedPoints};
-use crate::matrix::{dot, length};
-use crate::quadratic::{Hold, Linearization, RowSelection, Values, smallest_step};
+use crate::matrix::{difference, dot, length, scaled_sum};
+use crate::quadratic::{Hold, Linearization, RowSelection, smallest_step};
 use crate::request::DragLimit;
 
 /// Size below which a residual counts as 0, in radii or radians.
@@ -29,11 +29,24 @@ pub(crate) struct Solution {
 }
 
 impl Iterate {
+    /// Evaluates the unknowns `x` at a share of the path. `None` if the light cannot be evaluated.
+    pub fn new(goal: &Goal, x: Vec<f64>, share: f64, near: &TrackedPoints) -> Option<Self> {
+        Some(Self { evaluation: goal.evaluate(&x, share, near)?, x })
+    }
+
+    /// Evaluates other unknowns at a share of the path, with the points that this state tracks.
+    pub fn moved_to(&self, goal: &Goal, x: Vec<f64>, share: f64) -> Option<Self> {
+        Self::new(goal, x, share, &self.evaluation.tracked)
+    }
+
+    /// Evaluates the same unknowns at another share of the path.
+    pub fn at_share(&self, goal: &Goal, share: f64) -> Option<Self> {
+        self.moved_to(goal, self.x.clone(), share)
+    }
+
     /// True if the feature is at its target and all limits and hard pins are kept.
     pub fn is_converged(&self) -> bool {
-        self.objective_error() < RESIDUAL_TOLERANCE
-            && self.pin_error() < RESIDUAL_TOLERANCE
-            && self.hard_bounds().all(|bound| bound.value >= 0.0)
+        self.objective_error() < RESIDUAL_TOLERANCE && self.is_feasible()
     }
 
     /// True if all hard limits and hard pins are kept. In a slide the limits of the point under the cursor are soft and
@@ -48,7 +61,7 @@ impl Iterate {
 
     fn sum_of_squares(&self, which: impl Fn(Hold) -> bool) -> f64 {
         let Evaluation { residual, rows, .. } = &self.evaluation;
-        residual.iter().zip(rows.iter()).filter(|(_, row)| which(**row)).map(|(off, _)| off * off).sum()
+        residual.iter().zip(rows.iter()).filter(|(_, row)| which(**row)).map(|(error, _)| error * error).sum()
     }
 
     /// Returns the error of the feature, in radii or radians.
@@ -59,8 +72,8 @@ impl Iterate {
     /// Returns the sum of the squared errors of the feature and of the hard pins, and of the squared violations of hard
     /// limits.
     pub fn merit(&self) -> f64 {
-        let broken = self.hard_bounds().map(|bound| bound.value.min(0.0));
-        self.sum_of_squares(|row| !matches!(row, Hold::Soft(_))) + broken.map(|off| off * off).sum::<f64>()
+        let violations = self.hard_bounds().map(|bound| bound.value.min(0.0));
+        self.sum_of_squares(|row| !matches!(row, Hold::Soft(_))) + violations.map(|value| value * value).sum::<f64>()
     }
 
     /// Returns the error of the hard pins, in radii or radians.
@@ -73,9 +86,8 @@ impl Solution {
     /// Makes the solution that leaves the light as it is at the start of the drag. `None` if that light cannot be
     /// evaluated.
     pub fn begin(goal: &Goal, near: &TrackedPoints) -> Option<Self> {
-        let unmoved = vec![0.0; goal.unknowns.count()];
-        let at = Iterate { evaluation: goal.evaluate(&unmoved, 0.0, near)?, x: unmoved };
-        Some(Self { iterate: at, strongest_limit: None, iterations: 0 })
+        let iterate = Iterate::new(goal, vec![0.0; goal.unknowns.count()], 0.0, near)?;
+        Some(Self { iterate, strongest_limit: None, iterations: 0 })
     }
 
     /// Computes the unknowns with the smallest change from `from` that solve the linearized equations and limits, whose
@@ -86,19 +98,18 @@ impl Solution {
         from: &[f64],
         at: &Iterate,
         linear: &Linearization,
-        (mu, counting): (f64, RowSelection),
+        mu: f64,
+        counting: RowSelection,
     ) -> Vec<f64> {
-        let moved: Vec<f64> = at.x.iter().zip(from).map(|(x, from)| x - from).collect();
-        let limits: Vec<f64> = at.evaluation.bounds.iter().map(|bound| bound.value - 1e-12).collect();
-        let values = Values { residual: &at.evaluation.residual, limits: &limits, counting };
-        let (wanted, pulls) = smallest_step(&moved, linear, values, mu);
-        self.strongest_limit = goal.strongest_limit(&at.evaluation, &pulls);
-        wanted.iter().zip(from).map(|(wanted, from)| from + wanted).collect()
+        let moved = difference(&at.x, from);
+        let (change, multipliers) = smallest_step(&moved, linear, at.evaluation.values(counting), mu);
+        self.strongest_limit = goal.strongest_limit(&at.evaluation, &multipliers);
+        scaled_sum(from, &change, 1.0)
     }
 }
 
 pub(crate) fn length_between(a: &[f64], b: &[f64]) -> f64 {
-    length(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>())
+    length(&difference(a, b))
 }
 
 /// Finds the nearest state to `from` at which all equations that `counting` selects are fulfilled. Every step uses the
@@ -111,24 +122,19 @@ pub(crate) fn restore_feasibility(
     counting: RowSelection,
 ) -> Option<Iterate> {
     let mut at = from.clone();
-    let nowhere = vec![0.0; at.x.len()];
+    let unmoved = vec![0.0; at.x.len()];
     let mu = 1e-15 * objective_trace(about);
-    let is_good =
-        |at: &Iterate| if counting == RowSelection::Fixed { at.is_feasible() } else { at.is_converged() };
-    let off_of = |at: &Iterate| {
-        if counting == RowSelection::Fixed { at.pin_error() } else { at.objective_error() + at.pin_error() }
-    };
+    let are_pins_alone = counting == RowSelection::Fixed;
+    let is_good = |at: &Iterate| if are_pins_alone { at.is_feasible() } else { at.is_converged() };
+    let error_of = |at: &Iterate| if are_pins_alone { at.pin_error() } else { at.objective_error() + at.pin_error() };
     for _ in 0..MAX_RESTORE_STEPS {
         if is_good(&at) {
             return Some(at);
         }
-        let limits: Vec<f64> = at.evaluation.bounds.iter().map(|bound| bound.value - 1e-12).collect();
-        let residual = &at.evaluation.residual;
-        let (by, _) = smallest_step(&nowhere, about, Values { residual, limits: &limits, counting }, mu);
-        let x: Vec<f64> = at.x.iter().zip(&by).map(|(x, by)| x + by).collect();
-        let off = off_of(&at);
-        at = Iterate { evaluation: goal.evaluate(&x, share, &at.evaluation.tracked)?, x };
-        if off_of(&at) > off && off > RESIDUAL_TOLERANCE {
+        let (change, _) = smallest_step(&unmoved, about, at.evaluation.values(counting), mu);
+        let error = error_of(&at);
+        at = at.moved_to(goal, scaled_sum(&at.x, &change, 1.0), share)?;
+        if error_of(&at) > error && error > RESIDUAL_TOLERANCE {
             return None;
         }
     }
@@ -137,6 +143,6 @@ pub(crate) fn restore_feasibility(
 
 /// Computes the trace of `J J^T` over the rows of the objective in the Jacobian `J`.
 pub(crate) fn objective_trace(linear: &Linearization) -> f64 {
-    let asked = (0..linear.rows.len()).filter(|row| linear.rows[*row] == Hold::Objective);
-    asked.map(|row| dot(linear.jacobian.row(row), linear.jacobian.row(row))).sum()
+    let rows = (0..linear.rows.len()).filter(|row| linear.rows[*row] == Hold::Objective);
+    rows.map(|row| dot(linear.jacobian.row(row), linear.jacobian.row(row))).sum()
 }

@@ -1,8 +1,7 @@
 //! Gestures: drags in progress. Everybody sees them, no log has them, and each locks one light for other actors.
 
 use document::{
-    Change, Command, CommandContext, CommandResult, Document, DragOutcome, EditError, NumberedLight,
-    execute_command,
+    Change, Command, CommandContext, CommandResult, Document, DragOutcome, EditError, NumberedLight, execute_command,
 };
 use light::LightId;
 
@@ -59,8 +58,7 @@ impl LiveLight {
         command: &Command,
         context: CommandContext,
     ) -> Result<Self, EditRefusal> {
-        let CommandResult { changes, document: after, outcome } =
-            execute_command(document, command, context)?;
+        let CommandResult { changes, document: after, outcome } = execute_command(document, command, context)?;
         let placed = |document: &Document| {
             let placed = document.lights().get(&light).cloned();
             placed.ok_or(EditRefusal::Edit(EditError::NoLight(light)))

@@ -84,21 +84,21 @@ impl History {
     pub fn add_record(&mut self, seq: u64, actor_id: &str, action: &Action) {
         match *action {
             Action::Edit { .. } | Action::Gesture { .. } | Action::Group { .. } => {
-                self.undos = Undos::default();
-                self.set_undos(actor_id, Undos::default());
+                for scope in [UndoScope::Session, UndoScope::Mine] {
+                    self.set_undos(actor_id, scope, Undos::default());
+                }
                 self.add_step(seq, &self.shared_actor_id(actor_id));
             }
             Action::Undo { scope, target, .. } => {
                 let Some(by) = self.steps.get(&target).cloned() else { return };
                 self.remove_step(target, &by);
-                let undos =
-                    self.undos(actor_id, scope).cloned().unwrap_or_default().insert(seq, (target, by));
-                self.set_undos_in_scope(actor_id, scope, undos);
+                let undos = self.undos(actor_id, scope).cloned().unwrap_or_default().insert(seq, (target, by));
+                self.set_undos(actor_id, scope, undos);
             }
             Action::Redo { scope, target, .. } => {
                 let Some(undos) = self.undos(actor_id, scope).cloned() else { return };
                 let Some((step, by)) = undos.get(&target).cloned() else { return };
-                self.set_undos_in_scope(actor_id, scope, undos.remove(&target));
+                self.set_undos(actor_id, scope, undos.remove(&target));
                 self.add_step(step, &by);
             }
         }
@@ -135,7 +135,7 @@ impl History {
             };
             let by = history.shared_actor_id(target_actor_id);
             let undos = history.undos(id, scope).cloned().unwrap_or_default().insert(*seq, (*target, by));
-            history.set_undos_in_scope(id, scope, undos);
+            history.set_undos(id, scope, undos);
         }
         history
     }
@@ -147,16 +147,14 @@ impl History {
         }
     }
 
-    fn set_undos_in_scope(&mut self, actor_id: &str, scope: UndoScope, undos: Undos) {
+    fn set_undos(&mut self, actor_id: &str, scope: UndoScope, undos: Undos) {
         match scope {
             UndoScope::Session => self.undos = undos,
-            UndoScope::Mine => self.set_undos(actor_id, undos),
+            UndoScope::Mine => {
+                let person = self.actors.get(actor_id).cloned().unwrap_or_default();
+                self.actors.insert_mut(self.shared_actor_id(actor_id), ActorUndo { undos, ..person });
+            }
         }
-    }
-
-    fn set_undos(&mut self, actor_id: &str, undos: Undos) {
-        let person = self.actors.get(actor_id).cloned().unwrap_or_default();
-        self.actors.insert_mut(self.shared_actor_id(actor_id), ActorUndo { undos, ..person });
     }
 
     /// Returns the shared copy of an actor's id, so that many steps use one string.

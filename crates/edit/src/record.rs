@@ -107,9 +107,7 @@ impl Action {
             Self::Edit { command, outcome, .. } | Self::Gesture { command, outcome, .. } => {
                 vec![(command, outcome.as_deref())]
             }
-            Self::Group { edits, .. } => {
-                edits.iter().map(|edit| (&edit.command, edit.outcome.as_deref())).collect()
-            }
+            Self::Group { edits, .. } => edits.iter().map(|edit| (&edit.command, edit.outcome.as_deref())).collect(),
             Self::Undo { .. } | Self::Redo { .. } => Vec::new(),
         }
     }
@@ -117,9 +115,7 @@ impl Action {
     /// Returns true if another actor had changed the same light since the record that the sender knew.
     pub fn rebased(&self) -> bool {
         match self {
-            Self::Edit { rebased, .. } | Self::Gesture { rebased, .. } | Self::Group { rebased, .. } => {
-                *rebased
-            }
+            Self::Edit { rebased, .. } | Self::Gesture { rebased, .. } | Self::Group { rebased, .. } => *rebased,
             Self::Undo { .. } | Self::Redo { .. } => false,
         }
     }

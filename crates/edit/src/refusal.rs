@@ -14,7 +14,7 @@ pub enum EditRefusal {
     Locked {
         /// Light by its [`Document::light_name`](document::Document::light_name).
         light: String,
-        /// Name of the actor who drags it.
+        /// Name of the actor who drags the light.
         holder: String,
     },
     /// Control points that were renumbered after the latest record that the sender knew.
@@ -22,7 +22,7 @@ pub enum EditRefusal {
     Stale {
         /// Light by its [`Document::light_name`](document::Document::light_name).
         light: String,
-        /// Record that renumbered them.
+        /// Number of the record that renumbered the control points.
         seq: u64,
     },
     /// Undo, although there is no step of which anything can be undone.
@@ -38,9 +38,7 @@ pub enum EditRefusal {
         passed: Option<String>,
     },
     /// Undo or redo of a step whose record cannot be found.
-    #[error(
-        "record {0} cannot be read, and so not be taken back: replay the log to see what is wrong with it"
-    )]
+    #[error("record {0} cannot be read, and so not be taken back: replay the log to see what is wrong with it")]
     MissingRecord(u64),
     /// Gesture that was never begun, has ended, or belongs to another actor.
     #[error("there is no gesture {0} of yours: begin it again")]

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use document::{
-    Change, Command, CommandContext, CommandResult, Document, EditError, GroupResult, GroupedCommand,
-    execute_command, execute_group,
+    Change, Command, CommandContext, Document, EditError, GroupResult, GroupedCommand, execute_command, execute_group,
 };
 use light::LightId;
 use rpds::RedBlackTreeMapSync;
@@ -96,15 +95,15 @@ impl Session {
     }
 
     /// Restores the session as it is after record `seq`. It equals a session that replayed all records up to this one.
-    pub fn restore(document: Document, seq: u64, past: &SessionHistory) -> Self {
-        let steps = past.steps.iter().map(|(seq, by)| (*seq, by.as_str()));
-        let touched = past.touched.iter().map(|(light, by, seq)| ((*light, Arc::from(by.as_str())), *seq));
+    pub fn restore(document: Document, seq: u64, history: &SessionHistory) -> Self {
+        let steps = history.steps.iter().map(|(seq, by)| (*seq, by.as_str()));
+        let touched = history.touched.iter().map(|(light, by, seq)| ((*light, Arc::from(by.as_str())), *seq));
         Self {
             document,
             seq,
-            history: History::restore(steps, &past.undos),
+            history: History::restore(steps, &history.undos),
             touched: touched.collect(),
-            renumbered: past.renumbered.iter().copied().collect(),
+            renumbered: history.renumbered.iter().copied().collect(),
             gestures: BTreeMap::new(),
         }
     }
@@ -127,11 +126,11 @@ impl Session {
         let gestures = std::mem::take(&mut self.gestures);
         *self = Self { gestures, ..before };
         for gesture in self.gestures.values_mut() {
-            let Some(command) = &gesture.command else { continue };
-            if matches!(command, Command::DragFeature { .. }) {
-                continue;
+            if let Some(command) = &gesture.command
+                && !matches!(command, Command::DragFeature { .. })
+            {
+                gesture.live = LiveLight::of(gesture.light, &self.document, command, context).ok();
             }
-            gesture.live = LiveLight::of(gesture.light, &self.document, command, context).ok();
         }
     }
 
@@ -161,11 +160,7 @@ impl Session {
         for change in &record.changes {
             let Some(light) = change.light() else { continue };
             self.touched.insert_mut((light, Arc::clone(&actor_id)), seq);
-            let renumbers = matches!(
-                change,
-                Change::ControlPoints { .. } | Change::Light { old: Some(_), new: Some(_), .. }
-            );
-            if renumbers {
+            if matches!(change, Change::ControlPoints { .. } | Change::Light { old: Some(_), new: Some(_), .. }) {
                 self.renumbered.insert_mut(light, seq);
             }
         }
@@ -190,11 +185,12 @@ impl Session {
         }
         // A result for another state of the session is useless.
         let found = sources.reverted.filter(|found| found.seq == self.seq);
-        let (action, edited) = match request {
+        let (action, changes, document) = match request {
             EditRequest::Edit { base_seq, command } => {
                 let rebased = self.check_base_seq(&command, actor, base_seq)?;
-                let mut edited = execute_command(&self.document, &command, sources.context)?;
-                (Action::Edit { command, rebased, outcome: edited.outcome.take().map(Box::new) }, edited)
+                let edited = execute_command(&self.document, &command, sources.context)?;
+                let outcome = edited.outcome.map(Box::new);
+                (Action::Edit { command, rebased, outcome }, edited.changes, edited.document)
             }
             EditRequest::Group(edits) => {
                 let mut rebased = false;
@@ -204,16 +200,13 @@ impl Session {
                 }
                 let commands = edits.iter().map(|edit| &edit.grouped);
                 let together = execute_group(&self.document, commands, sources.context.scene_bounds);
-                let of_group =
-                    |(index, error): (usize, EditError)| EditRefusal::in_group(index, error.into());
+                let of_group = |(index, error): (usize, EditError)| EditRefusal::in_group(index, error.into());
                 let GroupResult { changes, document, outcomes } = together.map_err(of_group)?;
                 let commands = edits.into_iter().map(|edit| edit.grouped.command).zip(outcomes);
-                let recorded = |(command, outcome): (_, Option<_>)| RecordedCommand {
-                    command,
-                    outcome: outcome.map(Box::new),
-                };
+                let recorded =
+                    |(command, outcome): (_, Option<_>)| RecordedCommand { command, outcome: outcome.map(Box::new) };
                 let edits = commands.map(recorded).collect();
-                (Action::Group { edits, rebased }, CommandResult { changes, document, outcome: None })
+                (Action::Group { edits, rebased }, changes, document)
             }
             EditRequest::Commit(id) => {
                 let gesture = self.end_gesture(&id, actor)?;
@@ -221,21 +214,21 @@ impl Session {
                     return Err(gesture.refusal.unwrap_or(EditRefusal::EmptyGesture(id)));
                 };
                 let rebased = self.check_base_seq(&command, actor, Some(gesture.base_seq))?;
-                let mut edited = execute_command(&self.document, &command, sources.context)?;
-                (Action::Gesture { command, rebased, outcome: edited.outcome.take().map(Box::new) }, edited)
+                let edited = execute_command(&self.document, &command, sources.context)?;
+                let outcome = edited.outcome.map(Box::new);
+                (Action::Gesture { command, rebased, outcome }, edited.changes, edited.document)
             }
             EditRequest::Undo(scope) => {
                 let Reverted { target, changes, skipped, document, .. } =
                     found.ok_or(EditRefusal::NothingToUndo { passed: None })?;
-                (Action::Undo { scope, target, skipped }, CommandResult { changes, document, outcome: None })
+                (Action::Undo { scope, target, skipped }, changes, document)
             }
             EditRequest::Redo(scope) => {
                 let Reverted { target, changes, skipped, document, .. } =
                     found.ok_or(EditRefusal::NothingToRedo { passed: None })?;
-                (Action::Redo { scope, target, skipped }, CommandResult { changes, document, outcome: None })
+                (Action::Redo { scope, target, skipped }, changes, document)
             }
         };
-        let CommandResult { changes, document, .. } = edited;
         self.check_locks(&changes, actor)?;
         let (actor, op_id) = (actor.clone(), op_id.to_owned());
         let record = Record { seq: self.seq + 1, time_ms: now_ms, actor, op_id, action, changes };
@@ -255,12 +248,7 @@ impl Session {
     }
 
     /// Refuses outdated indices of control points. Returns true if another actor changed the light since `base_seq`.
-    fn check_base_seq(
-        &self,
-        command: &Command,
-        actor: &Actor,
-        base_seq: Option<u64>,
-    ) -> Result<bool, EditRefusal> {
+    fn check_base_seq(&self, command: &Command, actor: &Actor, base_seq: Option<u64>) -> Result<bool, EditRefusal> {
         let (Some(light), Some(base_seq)) = (command.light(), base_seq) else { return Ok(false) };
         if command.uses_point_indices() {
             self.check_numbering(light, base_seq)?;
@@ -271,9 +259,7 @@ impl Session {
     /// Refuses indices of control points of `light` as of record `base_seq` if they were renumbered since.
     fn check_numbering(&self, light: LightId, base_seq: u64) -> Result<(), EditRefusal> {
         match self.renumbered.get(&light) {
-            Some(&seq) if seq > base_seq => {
-                Err(EditRefusal::Stale { light: self.document.light_name(light), seq })
-            }
+            Some(&seq) if seq > base_seq => Err(EditRefusal::Stale { light: self.document.light_name(light), seq }),
             _ => Ok(()),
         }
     }
@@ -304,7 +290,8 @@ impl Session {
         id: &str,
         light: LightId,
         base_seq: u64,
-        (client, actor): (u64, &Actor),
+        client: u64,
+        actor: &Actor,
         now_ms: u64,
     ) -> Result<&Gesture, EditRefusal> {
         if !self.document.lights().contains_key(&light) {
@@ -312,8 +299,7 @@ impl Session {
         }
         self.check_numbering(light, base_seq)?;
         self.check_lock(light, actor)?;
-        if self.gestures.contains_key(&light)
-            || self.gestures().any(|held| held.id == id && held.actor.id == actor.id)
+        if self.gestures.contains_key(&light) || self.gestures().any(|held| held.id == id && held.actor.id == actor.id)
         {
             return Err(EditRefusal::GestureExists(id.to_owned()));
         }
@@ -365,8 +351,7 @@ impl Session {
         command: &Command,
         context: CommandContext,
     ) -> Result<LiveLight, EditRefusal> {
-        let removes = matches!(command, Command::RemoveLight(_));
-        if command.light() != Some(light) || removes {
+        if command.light() != Some(light) || matches!(command, Command::RemoveLight(_)) {
             return Err(EditRefusal::OtherLight(self.document.light_name(light)));
         }
         if command.uses_point_indices() {
@@ -383,10 +368,7 @@ impl Session {
 
     /// Ends the gestures of a closed connection.
     pub fn end_gestures_of(&mut self, client: u64) -> Vec<Gesture> {
-        self.gestures
-            .extract_if(.., |_, gesture| gesture.client == client)
-            .map(|(_, gesture)| gesture)
-            .collect()
+        self.gestures.extract_if(.., |_, gesture| gesture.client == client).map(|(_, gesture)| gesture).collect()
     }
 
     /// Renews the leases of an actor's gestures.
@@ -411,9 +393,7 @@ impl Session {
     /// its light is removed, has no effect.
     pub fn live_document(&self) -> Document {
         let mut live = self.document.clone();
-        for (light, shown) in
-            self.gestures().filter_map(|gesture| Some((gesture.light, gesture.live.as_ref()?)))
-        {
+        for (light, shown) in self.gestures().filter_map(|gesture| Some((gesture.light, gesture.live.as_ref()?))) {
             if self.document.lights().get(&light) == Some(&shown.before) {
                 live.set_live_light(light, &shown.after);
             } else {

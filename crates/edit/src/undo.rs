@@ -62,9 +62,8 @@ impl Session {
             let RevertParts { revert: left, changed_since, blocked_reasons: stays } =
                 revert_changes(self.document(), &record.changes);
             let since = |(n, change): (usize, &Change)| {
-                let later = (n < MAX_NAMED_PROPERTIES)
-                    .then(|| self.later_change_of(change, target, find_record))
-                    .flatten();
+                let later =
+                    (n < MAX_NAMED_PROPERTIES).then(|| self.later_change_of(change, target, find_record)).flatten();
                 match &later {
                     Some((who, removal @ Change::Light { new: None, .. })) => {
                         format!("{who} has removed {} since", removal.subject(self.document()))
@@ -91,21 +90,12 @@ impl Session {
             (seen > 0).then(|| "the latest steps changed nothing".into())
         };
         let passed = passed.into_iter().next().or(nothing);
-        Err(if undoes {
-            EditRefusal::NothingToUndo { passed }
-        } else {
-            EditRefusal::NothingToRedo { passed }
-        })
+        Err(if undoes { EditRefusal::NothingToUndo { passed } } else { EditRefusal::NothingToRedo { passed } })
     }
 
     /// Finds the change after record `target` that gave the property of `change` its present value, and the name of its
     /// actor. `None` if the latest records on the light do not contain it.
-    fn later_change_of(
-        &self,
-        change: &Change,
-        target: u64,
-        find_record: FindRecord,
-    ) -> Option<(String, Change)> {
+    fn later_change_of(&self, change: &Change, target: u64, find_record: FindRecord) -> Option<(String, Change)> {
         let light = change.light()?;
         let mut seqs: Vec<u64> =
             self.latest_records_on(light).map(|(_, seq)| seq).filter(|seq| *seq > target).collect();
@@ -132,7 +122,7 @@ struct RevertParts {
 /// A property whose value differs from the new value of its change stays: somebody has changed it since. The remaining
 /// changes of a light are reverted together or, if that would leave a light that cannot be evaluated, not at all.
 fn revert_changes(document: &Document, changes: &[Change]) -> RevertParts {
-    let inverses: Vec<Change> = changes.iter().rev().map(Change::inverse).collect();
+    let inverses = Change::inverses(changes);
     let mut parts = RevertParts { revert: None, changed_since: Vec::new(), blocked_reasons: Vec::new() };
     // Without any old value no change is possible. Many such steps are passed over without a copy of the document.
     if !inverses.iter().any(|change| document.holds_old_value_of(change)) {

@@ -74,6 +74,11 @@ impl Hierarchy {
         }
         Self { nodes, order: items.iter().map(|item| item.index).collect() }
     }
+
+    /// Returns the indices of the boxes in a leaf; none for an inner node.
+    pub fn items(&self, node: &HierarchyNode) -> &[u32] {
+        &self.order[node.first as usize..][..node.count as usize]
+    }
 }
 
 #[cfg(test)]

@@ -25,6 +25,14 @@ struct Bin {
     count: usize,
 }
 
+impl Bin {
+    const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
+
+    fn union(self, other: Self) -> Self {
+        Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
+    }
+}
+
 pub(crate) fn union_of(items: &[IndexedBox]) -> Aabb {
     items.iter().fold(Aabb::EMPTY, |all, item| all.union(item.bounds))
 }
@@ -69,20 +77,20 @@ fn cheapest_split(items: &[IndexedBox], middles: Aabb) -> Option<(f32, usize, us
             continue;
         }
         let bin_of = bins_along(middles, axis);
-        let mut bins = [Bin { bounds: Aabb::EMPTY, count: 0 }; BINS];
+        let mut bins = [Bin::EMPTY; BINS];
         for item in items {
             let bin = &mut bins[bin_of(item)];
-            *bin = Bin { bounds: bin.bounds.union(item.bounds), count: bin.count + 1 };
+            *bin = bin.union(Bin { bounds: item.bounds, count: 1 });
         }
         let mut after = [0.0; BINS];
-        let mut seen = Bin { bounds: Aabb::EMPTY, count: 0 };
+        let mut seen = Bin::EMPTY;
         for bin in (1..BINS).rev() {
-            seen = Bin { bounds: seen.bounds.union(bins[bin].bounds), count: seen.count + bins[bin].count };
+            seen = seen.union(bins[bin]);
             after[bin - 1] = seen.count as f32 * seen.bounds.half_area();
         }
-        seen = Bin { bounds: Aabb::EMPTY, count: 0 };
+        seen = Bin::EMPTY;
         for bin in 0..BINS - 1 {
-            seen = Bin { bounds: seen.bounds.union(bins[bin].bounds), count: seen.count + bins[bin].count };
+            seen = seen.union(bins[bin]);
             if seen.count == 0 || seen.count == items.len() {
                 continue;
             }

@@ -3,8 +3,8 @@ use super::*;
 use glam::Vec3A;
 use proptest::prelude::*;
 
-fn at(place: [f32; 3], size: [f32; 3]) -> Aabb {
-    let min = Vec3A::from_array(place);
+fn at(corner: [f32; 3], size: [f32; 3]) -> Aabb {
+    let min = Vec3A::from_array(corner);
     Aabb { min, max: min + Vec3A::from_array(size) }
 }
 
@@ -30,15 +30,11 @@ fn broken_invariant(hierarchy: &Hierarchy, boxes: &[Aabb]) -> Option<String> {
     let mut held = 0;
     for node in &hierarchy.nodes {
         if node.is_leaf() {
-            let of_it = node.first as usize..(node.first + node.count) as usize;
-            held += of_it.len();
-            if hierarchy.order[of_it].iter().any(|&index| !holds(node.bounds, boxes[index as usize])) {
+            held += hierarchy.items(node).len();
+            if hierarchy.items(node).iter().any(|&index| !holds(node.bounds, boxes[index as usize])) {
                 return Some(format!("a leaf does not hold its boxes: {node:?}"));
             }
-        } else if [0, 1]
-            .iter()
-            .any(|k| !holds(node.bounds, hierarchy.nodes[(node.first + k) as usize].bounds))
-        {
+        } else if [0, 1].iter().any(|k| !holds(node.bounds, hierarchy.nodes[(node.first + k) as usize].bounds)) {
             return Some(format!("a node does not hold its nodes: {node:?}"));
         }
     }
@@ -76,8 +72,8 @@ fn depth_is_bounded_for_any_boxes() {
         ("ever farther", MAX_DEPTH + halvings, &|k| at([libm::expf(k * 0.004), 0.0, 0.0], [0.0, 1.0, 0.0])),
         ("too far apart", MAX_DEPTH + halvings, &|k| at([(k - 1e4) * 1e34; 3], [0.0; 3])),
     ];
-    for (shape, levels, place) in shapes {
-        let boxes: Vec<Aabb> = (0..count).map(|k| place(f32::from(k))).collect();
+    for (shape, levels, box_of) in shapes {
+        let boxes: Vec<Aabb> = (0..count).map(|k| box_of(f32::from(k))).collect();
         let hierarchy = Hierarchy::new(boxes.iter().copied());
         assert_eq!(broken_invariant(&hierarchy, &boxes), None, "{shape}");
         assert!(depth(&hierarchy) <= levels, "{shape}: {} levels", depth(&hierarchy));
@@ -86,14 +82,12 @@ fn depth_is_bounded_for_any_boxes() {
 
 #[test]
 fn a_point_query_visits_few_nodes() {
-    let places: Vec<[f32; 3]> =
-        (0..125_000_u32).map(|k| [k % 50, k / 50 % 50, k / 2500].map(|k| k as f32)).collect();
-    let boxes: Vec<Aabb> = places.iter().map(|&place| at(place, [0.5; 3])).collect();
+    let corners: Vec<[f32; 3]> = (0..125_000_u32).map(|k| [k % 50, k / 50 % 50, k / 2500].map(|k| k as f32)).collect();
+    let boxes: Vec<Aabb> = corners.iter().map(|&corner| at(corner, [0.5; 3])).collect();
     let hierarchy = Hierarchy::new(boxes.iter().copied());
     // A balanced tree takes two nodes a level. Bins do not halve exactly, so a few more are allowed.
     let levels = libm::log2f(boxes.len() as f32);
-    let most =
-        places.iter().step_by(997).map(|&[x, y, z]| visited_nodes(&hierarchy, Vec3A::new(x, y, z) + 0.25));
+    let most = corners.iter().step_by(997).map(|&[x, y, z]| visited_nodes(&hierarchy, Vec3A::new(x, y, z) + 0.25));
     assert!(most.clone().max() <= Some((3.0 * levels) as usize), "{:?}", most.max());
 }
 
@@ -108,7 +102,7 @@ proptest! {
         corners in prop::collection::vec((prop::array::uniform3(-1e30_f32..1e30), prop::array::uniform3(0.0_f32..1e3)), 1..200),
         step in 1..8_usize,
     ) {
-        let boxes: Vec<Aabb> = corners.iter().map(|&(place, size)| at(place, size)).collect();
+        let boxes: Vec<Aabb> = corners.iter().map(|&(corner, size)| at(corner, size)).collect();
         // Some boxes twice.
         let boxes: Vec<Aabb> = boxes.iter().chain(boxes.iter().step_by(step)).copied().collect();
         let hierarchy = Hierarchy::new(boxes.iter().copied());

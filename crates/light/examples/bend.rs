@@ -14,11 +14,7 @@ fn main() -> Result<(), LightError> {
         .with(CONE_ANGLE, 20.0)
         .with(INTENSITY, 60.0);
     let straight = bend(&spot, 3)?;
-    let bent = straight.clone().map_points(|index, point| {
-        if index == 3 {
-            point.position.x += 1.0;
-        }
-    });
+    let bent = straight.clone().map_point(3, |point| point.position.x += 1.0);
 
     for light in [straight, bent] {
         let light = CheckedLight::new(light)?;

@@ -4,12 +4,10 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::build::{MAX_SEGMENTS, check_values};
 use crate::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, DECAY, END_MODE, FAR_EDGE, HEIGHT, INTENSITY,
-    RANGE, ROTATION, SCALE, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, TRANSLATION, UP, WIDTH,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, DECAY, END_MODE, FAR_EDGE, HEIGHT, INTENSITY, RANGE,
+    ROTATION, SCALE, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, TRANSLATION, UP, WIDTH,
 };
-use crate::{
-    ControlPoint, CrossSection, Decay, EndMode, Light, LightError, LightShape, Setting, Tube, Value,
-};
+use crate::{ControlPoint, CrossSection, Decay, EndMode, Light, LightError, LightShape, Tube, Value};
 
 /// Makes the BendyLight equal to the spotlight `spot`, with `segments` quadratic segments to bend.
 ///
@@ -17,6 +15,17 @@ use crate::{
 /// quadratic B-spline reproduces linear functions exactly (light model, section 1). So the tube is the cone,
 /// parametrised evenly. It ends at the spotlight's `range`. Without a range its control points span one local unit, and
 /// the light is extended without end. Parameters that both shapes have keep their values.
+///
+/// ```
+/// use light::parameters::RANGE;
+/// use light::{Light, Tube, bend};
+///
+/// let bent = bend(&Light::spot().with(RANGE, Some(6.0)), 3)?;
+/// assert_eq!(bent.points().len(), 5);
+/// assert_eq!(bent.points()[4].position.z, -6.0);
+/// assert_eq!(Tube::new(&bent)?.n, 3);
+/// # Ok::<(), light::LightError>(())
+/// ```
 pub fn bend(spot: &Light, segments: usize) -> Result<Light, LightError> {
     bend_with_length(spot, segments, spot.get(SCALE))
 }
@@ -39,11 +48,8 @@ pub fn bend_with_length(spot: &Light, segments: usize, reach: f64) -> Result<Lig
         // Subtracted instead of negated: the source is at 0, not at -0.
         ControlPoint::new(DVec3::new(0.0, 0.0, 0.0 - along), along * slope)
     };
-    let mut bent =
-        Light::new(LightShape::Bendy(greville_abscissae(segments).into_iter().map(point).collect()));
-    for (parameter, value) in spot.values() {
-        bent.set(Setting { parameter, value: value.clone() });
-    }
+    let points = greville_abscissae(segments).into_iter().map(point).collect();
+    let bent = Light::new(LightShape::Bendy(points)).with_values_of(spot);
     Ok(bent.with(END_MODE, if range.is_some() { EndMode::Cut } else { EndMode::Extend }))
 }
 
@@ -57,19 +63,11 @@ pub fn bend_with_length(spot: &Light, segments: usize, reach: f64) -> Result<Lig
 /// - Without `toward` both shine along their own -Z from their own position.
 ///
 /// Parameters that both shapes have keep their values. Within the cone light does not fall off.
-pub fn as_spotlight(
-    light: &Light,
-    cone_angle: f64,
-    toward: Option<DVec3>,
-    reach: f64,
-) -> Result<Light, LightError> {
+pub fn as_spotlight(light: &Light, cone_angle: f64, toward: Option<DVec3>, reach: f64) -> Result<Light, LightError> {
     if !matches!(light.shape(), LightShape::Omni | LightShape::Directional) {
         return Ok(light.clone());
     }
-    let mut spot = Light::new(LightShape::Spot).with(DECAY, Decay::None);
-    for (parameter, value) in light.values() {
-        spot.set(Setting { parameter, value: value.clone() });
-    }
+    let mut spot = Light::spot().with(DECAY, Decay::None).with_values_of(light);
     if *light.shape() == LightShape::Omni
         && let Some(range) = light.get(RANGE)
     {
@@ -80,11 +78,10 @@ pub fn as_spotlight(
     if *light.shape() == LightShape::Directional {
         return Ok(through_window(spot, light, toward, reach));
     }
-    let way = toward - light.get(TRANSLATION);
+    let offset = toward - light.get(TRANSLATION);
     // Divided by the largest component first, so that no length overflows.
-    let way = (way / way.abs().max_element()).try_normalize();
-    let turned = |way: DVec3| spot.clone().with(ROTATION, DQuat::from_mat3(&looking_along(way, DVec3::Y)));
-    Ok(way.map_or_else(|| spot.clone(), turned))
+    let Some(direction) = (offset / offset.abs().max_element()).try_normalize() else { return Ok(spot) };
+    Ok(spot.with(ROTATION, DQuat::from_mat3(&looking_along(direction, DVec3::Y))))
 }
 
 /// Makes the light of the spotlight `spot` end at the distance `range` from its source, instead of at a plane.
@@ -133,6 +130,15 @@ const CONE_TOLERANCE: f64 = 1e-9;
 ///
 /// The cone has the tube's last radius at the last control point. It ends there unless the BendyLight is extended. `up`
 /// stays up. Parameters that both shapes have keep their values.
+///
+/// ```
+/// use light::parameters::CONE_ANGLE;
+/// use light::{Light, bend, straighten};
+///
+/// let spot = Light::spot().with(CONE_ANGLE, 20.0);
+/// assert_eq!(straighten(&bend(&spot, 3)?)?, spot);
+/// # Ok::<(), light::LightError>(())
+/// ```
 pub fn straighten(bent: &Light) -> Result<Light, LightError> {
     if bent.points().is_empty() {
         return Err(LightError::NotBent);
@@ -174,10 +180,7 @@ fn straighten_checked(bent: &Light) -> Result<Light, LightError> {
         return Err(LightError::NoDirection);
     }
     let cone_angle = cone_angle(last);
-    let mut spot = Light::new(LightShape::Spot);
-    for (parameter, value) in bent.values() {
-        spot.set(Setting { parameter, value: value.clone() });
-    }
+    let mut spot = Light::spot().with_values_of(bent);
     if (cone_angle - bent.get(CONE_ANGLE)).abs() > ANGLE_TOLERANCE_DEGREES {
         spot.set(CONE_ANGLE.to(cone_angle.max(ANGLE_TOLERANCE_DEGREES)));
     }
@@ -202,8 +205,7 @@ fn cone_angle(point: &ControlPoint) -> f64 {
 fn looking_along(direction: DVec3, up: DVec3) -> DMat3 {
     let back = -direction;
     let across = up.cross(back);
-    let right =
-        if across.length() > 1e-9 * up.length() { across.normalize() } else { back.any_orthonormal_vector() };
+    let right = if across.length() > 1e-9 * up.length() { across.normalize() } else { back.any_orthonormal_vector() };
     DMat3::from_cols(right, back.cross(right), back)
 }
 

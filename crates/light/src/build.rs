@@ -100,13 +100,10 @@ where
     (first, second)
 }
 
-/// Computes the largest `R kappa` of some segments of the BendyLight with these control points. The tube may fold
-/// there. A segment without a direction is an error.
-pub fn r_kappa_max_of_segments(
-    points: &[ControlPoint],
-    segments: Range<usize>,
-) -> Result<Vec<f64>, LightError> {
-    let values = ControlValues::of(points.iter().copied());
+/// Computes the largest `R kappa`, radius times curvature, of each of these segments of the BendyLight with these
+/// control points. It is 1 or more where the tube folds, which is no error here. A segment without a direction is one.
+pub fn r_kappa_max_of_segments(points: &[ControlPoint], segments: Range<usize>) -> Result<Vec<f64>, LightError> {
+    let values = ControlValues::of(points, 1.0);
     segments.map(|i| Ok(validity::r_kappa_max(&segment_curve(&values, i)?))).collect()
 }
 
@@ -114,8 +111,7 @@ pub fn r_kappa_max_of_segments(
 pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightError> {
     check_values(light)?;
     if light.get(UP) == DVec3::ZERO {
-        let domain = "it must have a direction".into();
-        return Err(LightError::OutOfDomain { field: UP.path, value: 0.0, domain });
+        return Err(LightError::OutOfDomain { field: UP.path, value: 0.0, domain: "it must have a direction".into() });
     }
     segments_of_points(light.points(), light.transform(), unit_up(light), light.get(END_MODE))
 }
@@ -131,30 +127,26 @@ pub fn segments_of_points(
     check_points(control)?;
     let polygon = polygon_length(control);
     if polygon == 0.0 {
-        return Err(LightError::Degenerate {
-            segment: 0,
-            why: "has all its control points in one place",
-            point: 1,
-        });
+        return Err(LightError::Degenerate { segment: 0, why: "has all its control points in one place", point: 1 });
     }
-    let domain = || "the light's size must be a number that can be worked with".into();
+    let bad_size = |field, value| {
+        let domain = "the light's size must be a number that can be worked with".into();
+        Err(LightError::OutOfDomain { field, value, domain })
+    };
     if !polygon.is_finite() || polygon < f64::MIN_POSITIVE * 1e20 {
-        return Err(LightError::OutOfDomain { field: "points", value: polygon, domain: domain() });
+        return bad_size("points", polygon);
     }
     if !(polygon * transform.scale).is_finite() {
-        return Err(LightError::OutOfDomain { field: SCALE.path, value: transform.scale, domain: domain() });
+        return bad_size(SCALE.path, transform.scale);
     }
     let unit = libm::exp2(libm::floor(libm::log2(polygon)));
-    let in_tube =
-        |p: &ControlPoint| ControlPoint { position: p.position / unit, radius: p.radius / unit, ..*p };
-    let values = ControlValues::of(control.iter().map(in_tube));
+    let values = ControlValues::of(control, unit);
 
     let mut out: Vec<Segment<f64>> = Vec::with_capacity(control.len() - 1);
-    let mut arc_start = 0.0;
-    let mut carried = None;
+    let (mut arc_start, mut end_frame) = (0.0, None);
     for i in 0..control.len() - 2 {
         let mut curve = segment_curve(&values, i)?;
-        carried = Some(set_frame(&mut curve, carried, up));
+        end_frame = Some(set_frame(&mut curve, end_frame, up));
         curve.bounds = curve.tube_box();
         let r_kappa = validity::r_kappa_max(&curve);
         if r_kappa >= 1.0 {
@@ -167,11 +159,8 @@ pub fn segments_of_points(
     if end_mode == EndMode::Extend {
         out.extend(extension_segment(&out[out.len() - 1], arc_start));
     }
-    let rotation = DMat3::from_quat(transform.rotation.normalize());
-    Ok((
-        out,
-        Placement { translation: transform.translation, rotation, world_per_tube: transform.scale * unit },
-    ))
+    let rotation = transform.world_from_local_axes();
+    Ok((out, Placement { translation: transform.translation, rotation, world_per_tube: transform.scale * unit }))
 }
 
 /// Values of the control points, one list for each spline.
@@ -183,21 +172,14 @@ struct ControlValues {
 }
 
 impl ControlValues {
-    fn of(points: impl ExactSizeIterator<Item = ControlPoint>) -> Self {
-        let count = points.len();
-        let mut values = Self {
-            positions: Vec::with_capacity(count),
-            radii: Vec::with_capacity(count),
-            colors: Vec::with_capacity(count),
-            intensities: Vec::with_capacity(count),
-        };
-        for ControlPoint { position, radius, color, intensity } in points {
-            values.positions.push(position);
-            values.radii.push(radius);
-            values.colors.push(color);
-            values.intensities.push(intensity);
+    /// Takes the values apart, with positions and radii in units of `unit`, a power of two.
+    fn of(points: &[ControlPoint], unit: f64) -> Self {
+        Self {
+            positions: points.iter().map(|point| point.position / unit).collect(),
+            radii: points.iter().map(|point| point.radius / unit).collect(),
+            colors: points.iter().map(|point| point.color).collect(),
+            intensities: points.iter().map(|point| point.intensity).collect(),
         }
-        values
     }
 }
 
@@ -207,14 +189,13 @@ fn segment_curve(values: &ControlValues, i: usize) -> Result<Curve<f64>, LightEr
     let [b0, _, b2] = bezier(positions, i);
     let (d0, d1) = half_derivatives(positions, i);
     let (e0, e1) = half_derivatives(radii, i);
-    let straight = d0.cross(d1).length() <= STRAIGHT_SINE * d0.length() * d1.length();
+    let degenerate = |why, point| Err(LightError::Degenerate { segment: i, why, point });
     if d0 == DVec3::ZERO && d1 == DVec3::ZERO {
-        let why = "has its three control points in one place";
-        return Err(LightError::Degenerate { segment: i, why, point: i + 1 });
+        return degenerate("has its three control points in one place", i + 1);
     }
-    if straight && d0.dot(d1) < 0.0 {
-        let why = "doubles back over itself";
-        return Err(LightError::Degenerate { segment: i, why, point: i + 2 });
+    let is_straight = d0.cross(d1).length() <= STRAIGHT_SINE * d0.length() * d1.length();
+    if is_straight && d0.dot(d1) < 0.0 {
+        return degenerate("doubles back over itself", i + 2);
     }
     Ok(Curve {
         b0,
@@ -241,15 +222,12 @@ pub fn unit_up(light: &Light) -> DVec3 {
 /// Returns the segment past the last control point: straight, with linear radius, colour and intensity. `None` if the
 /// curve has no direction at its end.
 fn extension_segment(last: &Segment<f64>, arc_start: f64) -> Option<Segment<f64>> {
-    let grow = |b: [f64; 3]| 2.0 * (b[2] - b[1]);
-    let grow3 = |b: [DVec3; 3]| (b[2] - b[1]) * 2.0;
     let end = &last.curve;
     if end.d1 == DVec3::ZERO {
         return None;
     }
     let u_hat = end.u_hat(1.0);
     let (v_hat, w_hat) = end.rotation_minimizing(u_hat);
-    let (i2, c2) = (last.intensity[2], last.color[2]);
     let mut curve = Curve {
         b0: end.b2,
         b2: end.b2 + end.d1 * 2.0,
@@ -266,7 +244,9 @@ fn extension_segment(last: &Segment<f64>, arc_start: f64) -> Option<Segment<f64>
         bounds: end.bounds,
     };
     curve.bounds = curve.tube_box();
-    let color = [c2, c2 + grow3(last.color) * 0.5, c2 + grow3(last.color)];
-    let intensity = [i2, i2 + grow(last.intensity) * 0.5, i2 + grow(last.intensity)];
+    let ([_, c1, c2], [_, i1, i2]) = (last.color, last.intensity);
+    let (color_growth, intensity_growth) = ((c2 - c1) * 2.0, (i2 - i1) * 2.0);
+    let color = [c2, c2 + color_growth * 0.5, c2 + color_growth];
+    let intensity = [i2, i2 + intensity_growth * 0.5, i2 + intensity_growth];
     Some(Segment { curve, color, intensity, arc_start })
 }

@@ -41,15 +41,27 @@ pub struct LightInstance {
 impl LightInstance {
     /// Checks lights that belong to no session and numbers them from 0.
     pub fn numbered(lights: impl IntoIterator<Item = Light>) -> Result<Vec<Self>, LightError> {
-        let checked = lights.into_iter().zip(0..).map(|(light, number)| {
-            Ok(Self { id: LightId(number), light: Arc::new(CheckedLight::new(light)?) })
-        });
+        let checked = lights
+            .into_iter()
+            .zip(0..)
+            .map(|(light, number)| Ok(Self { id: LightId(number), light: Arc::new(CheckedLight::new(light)?) }));
         checked.collect()
     }
 }
 
 impl CheckedLight {
     /// Checks a light: every value against its row, the control points of a BendyLight, and its tube for folds.
+    ///
+    /// ```
+    /// use light::parameters::CONE_ANGLE;
+    /// use light::{CheckedLight, Light};
+    ///
+    /// let light = CheckedLight::new(Light::spot())?;
+    /// assert!(light.tube().is_none());
+    /// let refused = CheckedLight::new(Light::spot().with(CONE_ANGLE, 90.0)).unwrap_err();
+    /// assert!(refused.to_string().starts_with("`coneAngle` is 90, but it must be"));
+    /// # Ok::<(), light::LightError>(())
+    /// ```
     pub fn new(light: Light) -> Result<Self, LightError> {
         CHECK_COUNT.set(CHECK_COUNT.get() + 1);
         let checked = Self::of(light)?;

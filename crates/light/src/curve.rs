@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use crate::Real;
-use crate::lanes::{Lanes, Mask, choose_vec};
+use crate::lanes::{Lanes, Mask, choose};
 
 /// Box around all points that a curve's tube can contain.
 #[derive(Clone, Copy, Debug)]
@@ -36,9 +36,8 @@ impl<F: Lanes> TubeBox<F> {
 impl TubeBox<f64> {
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|k| {
-            let side = |axis: usize| {
-                self.axes[axis] * if k >> axis & 1 == 1 { self.half[axis] } else { -self.half[axis] }
-            };
+            let side =
+                |axis: usize| self.axes[axis] * if k >> axis & 1 == 1 { self.half[axis] } else { -self.half[axis] };
             self.center + side(0) + side(1) + side(2)
         })
     }
@@ -113,7 +112,7 @@ impl<F: Lanes> Curve<F> {
             return d * (F::of(1.0) / speed);
         }
         let limit = F::select_vec(u.lt(F::of(0.5)), self.a, -self.a);
-        choose_vec!(F, moves, d * (F::of(1.0) / speed), F::unit_or(limit, limit))
+        choose!(F::select_vec, moves, d * (F::of(1.0) / speed), F::unit_or(limit, limit))
     }
 
     /// Returns the rotation-minimising `(v_hat, w_hat)` about the unit tangent `u_hat`.
@@ -129,7 +128,7 @@ impl<F: Lanes> Curve<F> {
         let d = self.d(u);
         let speed = F::dot(d, d).sqrt();
         let across = self.a - u_hat * F::dot(self.a, u_hat);
-        choose_vec!(F, speed.gt(F::of(0.0)), across * (F::of(1.0) / speed), self.a * F::of(0.0))
+        choose!(F::select_vec, speed.gt(F::of(0.0)), across * (F::of(1.0) / speed), self.a * F::of(0.0))
     }
 }
 
@@ -140,16 +139,17 @@ impl Curve<f64> {
     #[must_use]
     pub fn subcurve(&self, start: f64, end: f64) -> Self {
         let h = end - start;
-        let (d0, d1) = (self.d(start) * h, self.d(end) * h);
-        let mut piece = *self;
-        piece.b0 = self.position(start);
-        piece.b2 = self.position(end);
-        piece.d0 = d0;
-        piece.d1 = d1;
-        piece.a = self.a * (h * h);
-        piece.r0 = self.radius(start);
-        piece.e0 = (self.e0 + start * self.ar) * h;
-        piece.ar = self.ar * (h * h);
+        let mut piece = Self {
+            b0: self.position(start),
+            b2: self.position(end),
+            d0: self.d(start) * h,
+            d1: self.d(end) * h,
+            a: self.a * (h * h),
+            r0: self.radius(start),
+            e0: (self.e0 + start * self.ar) * h,
+            ar: self.ar * (h * h),
+            ..*self
+        };
         piece.bounds = piece.tube_box();
         piece
     }

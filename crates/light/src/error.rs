@@ -32,9 +32,7 @@ pub enum LightError {
         domain: String,
     },
     /// Quaternion far from unit length.
-    #[error(
-        "`{field}` has length {length}, but it must be a unit quaternion [x, y, z, w], of length 1: change it"
-    )]
+    #[error("`{field}` has length {length}, but it must be a unit quaternion [x, y, z, w], of length 1: change it")]
     NotARotation { field: &'static str, length: f64 },
     #[error("`{field}` has more than {limit} bytes: shorten it")]
     TooLong { field: &'static str, limit: usize },
@@ -92,9 +90,7 @@ pub enum LightError {
     #[error("only a BendyLight can be made straight, and this light is straight already: leave it as it is")]
     NotBent,
     /// BendyLight that ends at its source and so has no direction.
-    #[error(
-        "the light ends where it begins, which is no direction to shine along: move its last control point"
-    )]
+    #[error("the light ends where it begins, which is no direction to shine along: move its last control point")]
     NoDirection,
     /// Omni light whose target is its own position.
     #[error("`toward` is where the light stands, which is no direction to shine along: choose another place")]

@@ -12,9 +12,9 @@ pub const STRAIGHT_SINE: f64 = 1e-13;
 pub type EndFrame = (DVec3, DVec3);
 
 /// Sets the frame's constants (light model, section 2) and returns the frame at the end.
-pub fn set_frame(curve: &mut Curve<f64>, carried: Option<EndFrame>, up: DVec3) -> EndFrame {
+pub fn set_frame(curve: &mut Curve<f64>, before: Option<EndFrame>, up: DVec3) -> EndFrame {
     let u_hat = curve.u_hat(0.0);
-    let v_hat = match carried {
+    let v_hat = match before {
         None => perpendicular_up::<f64>(up, u_hat).cross(u_hat),
         Some((u_before, v_before)) => minimal_rotation(u_before, u_hat, v_before),
     };

@@ -24,13 +24,7 @@ pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + No
 /// Instead of branches code uses a [`Mask`] and selects. The value in a lane that is not selected may be infinite or
 /// NaN.
 pub trait Lanes:
-    Copy
-    + Debug
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
+    Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// Vector of three coordinates in each lane.
     type Vec3: Copy
@@ -121,36 +115,24 @@ pub trait Lanes:
     #[inline(always)]
     fn unit_or(v: Self::Vec3, other: Self::Vec3) -> Self::Vec3 {
         let length = Self::length(v);
-        choose_vec!(Self, length.gt(Self::of(0.0)), v * (Self::of(1.0) / length), other)
+        choose!(Self::select_vec, length.gt(Self::of(0.0)), v * (Self::of(1.0) / length), other)
     }
 }
 
-/// `choose!(F, mask, yes, no)` selects one of two numbers. With one lane only the selected side is computed, with many
-/// lanes both are.
+/// `choose!(F::select, mask, yes, no)` selects one of two numbers, and with `F::select_vec` one of two vectors. With
+/// one lane only the selected side is computed, with many lanes both are.
 macro_rules! choose {
-    ($lanes:ty, $mask:expr, $yes:expr, $no:expr) => {{
+    ($select:path, $mask:expr, $yes:expr, $no:expr) => {{
         let mask = $mask;
         match $crate::lanes::Mask::decided(mask) {
             Some(true) => $yes,
             Some(false) => $no,
-            None => <$lanes as $crate::lanes::Lanes>::select(mask, $yes, $no),
+            None => $select(mask, $yes, $no),
         }
     }};
 }
 
-/// Does the same as `choose` for vectors.
-macro_rules! choose_vec {
-    ($lanes:ty, $mask:expr, $yes:expr, $no:expr) => {{
-        let mask = $mask;
-        match $crate::lanes::Mask::decided(mask) {
-            Some(true) => $yes,
-            Some(false) => $no,
-            None => <$lanes as $crate::lanes::Lanes>::select_vec(mask, $yes, $no),
-        }
-    }};
-}
-
-pub(crate) use {choose, choose_vec};
+pub(crate) use choose;
 
 impl Mask for bool {
     #[inline(always)]

@@ -55,8 +55,8 @@ mod validity;
 mod warning;
 
 pub use self::light::{
-    ControlPoint, CrossSection, Decay, DirectionMode, EndMode, FrameMode, Light, LightId, LightShape,
-    ProfileCurve, Transform,
+    ControlPoint, CrossSection, Decay, DirectionMode, EndMode, FrameMode, Light, LightId, LightShape, ProfileCurve,
+    Transform,
 };
 pub use arc::GAUSS_LEGENDRE;
 pub use bend::{as_spotlight, bend, bend_with_length, greville_abscissae, straighten};
@@ -70,16 +70,14 @@ pub use lanes::{Lanes, Mask};
 pub use light_coords::LightCoords;
 pub use links::{Links, MAX_LINK_BYTES, MAX_LINKS};
 pub use parameter::{
-    MAX_EXTENT, MAX_NAME_BYTES, NumberRange, Parameter, ParameterChoice, ParameterKey, ParameterKind,
-    ParameterNeeded, ParameterNeeds, ParameterOf, ParameterOwner, ParameterScale, ParameterTouches, Setting,
-    Value, ValueStorage, ValueType,
+    MAX_EXTENT, MAX_NAME_BYTES, NumberRange, Parameter, ParameterChoice, ParameterKey, ParameterKind, ParameterNeeded,
+    ParameterNeeds, ParameterOf, ParameterOwner, ParameterScale, ParameterTouches, Setting, Value, ValueStorage,
+    ValueType,
 };
 pub use parameters::{add_parameters, parameter_of, parameters, parameters_of};
 pub use part::LightPart;
 pub use periodic_curve::{LinearPiece, MAX_KNOTS, PeriodicCurve};
-pub use profile::{
-    CrossFalloff, DistanceRamps, EdgeOutline, LightProfile, SectionOutline, blackbody, irradiance,
-};
+pub use profile::{CrossFalloff, DistanceRamps, EdgeOutline, LightProfile, SectionOutline, blackbody};
 pub use rays::cone::Cone;
 pub use rays::omni::Omni;
 pub use rays::parallel::Parallel;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use crate::parameter::choices;
 use crate::parameters::{NAME, ROTATION, SCALE, TRANSLATION, parameters_of};
@@ -29,6 +29,11 @@ impl Default for Transform {
 }
 
 impl Transform {
+    /// Returns the rotation from light-local to world axes as a matrix.
+    pub fn world_from_local_axes(&self) -> DMat3 {
+        DMat3::from_quat(self.rotation.normalize())
+    }
+
     /// Converts a light-local position to world space.
     pub fn world_from_local(&self, local: DVec3) -> DVec3 {
         self.translation + self.rotation.normalize() * (local * self.scale)
@@ -157,7 +162,7 @@ pub enum LightShape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     shape: LightShape,
-    /// Values of the parameters, in the order of the shape's parameters in the table.
+    /// Values of the shape's parameters, in the order of the parameter table.
     values: Vec<Value>,
 }
 
@@ -184,9 +189,17 @@ impl Light {
 
     /// Makes a white BendyLight of intensity 1 from `points` and `radii`. The longer list is cut to the length of the
     /// shorter.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use light::Light;
+    ///
+    /// let light = Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::NEG_Z * 2.0], vec![0.1, 0.2, 0.3]);
+    /// assert_eq!(light.points().len(), 3);
+    /// assert_eq!((light.points()[2].radius, light.points()[2].intensity), (0.3, 1.0));
+    /// ```
     pub fn bendy(points: Vec<DVec3>, radii: Vec<f64>) -> Self {
-        let points =
-            points.into_iter().zip(radii).map(|(position, radius)| ControlPoint::new(position, radius));
+        let points = points.into_iter().zip(radii).map(|(position, radius)| ControlPoint::new(position, radius));
         Self::new(LightShape::Bendy(points.collect()))
     }
 
@@ -209,7 +222,7 @@ impl Light {
         if let LightShape::Bendy(points) = &mut self.shape { Some(points) } else { None }
     }
 
-    /// Parameters and their values, in the order of the table.
+    /// Returns the shape's parameters with their values, in the order of the parameter table.
     pub fn values(&self) -> impl Iterator<Item = (&'static Parameter, &Value)> {
         parameters_of(self.owner()).iter().copied().zip(&self.values)
     }
@@ -220,6 +233,14 @@ impl Light {
     }
 
     /// Returns the value of a parameter. If the shape does not have it, the default of the shapes that do.
+    ///
+    /// ```
+    /// use light::parameters::{CONE_ANGLE, RANGE};
+    /// use light::Light;
+    ///
+    /// let light = Light::spot().with(RANGE, Some(8.0));
+    /// assert_eq!((light.get(RANGE), light.get(CONE_ANGLE)), (Some(8.0), 25.0));
+    /// ```
     pub fn get<T: ValueType>(&self, key: ParameterKey<T>) -> T {
         let elsewhere = || key.owners.iter().find_map(|of| key.default(of.owner));
         let value = self.value(&key).and_then(T::from_value);
@@ -242,6 +263,15 @@ impl Light {
         self
     }
 
+    /// Returns the light with the values of another light for the parameters that both shapes have.
+    #[must_use]
+    pub(crate) fn with_values_of(mut self, other: &Self) -> Self {
+        for (parameter, value) in other.values() {
+            self.set(Setting { parameter, value: value.clone() });
+        }
+        self
+    }
+
     /// Returns the light in another placement.
     #[must_use]
     pub fn with_transform(self, transform: Transform) -> Self {
@@ -255,6 +285,22 @@ impl Light {
         for (index, point) in self.points_mut().into_iter().flatten().enumerate() {
             change(index, point);
         }
+        self
+    }
+
+    /// Returns the light with one control point changed, by its index.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use light::{Light, bend};
+    ///
+    /// let bent = bend(&Light::spot(), 3)?.map_point(4, |point| point.position.x += 1.0);
+    /// assert_eq!(bent.points()[4].position, DVec3::new(1.0, 0.0, -1.0));
+    /// # Ok::<(), light::LightError>(())
+    /// ```
+    #[must_use]
+    pub fn map_point(mut self, index: usize, change: impl FnOnce(&mut ControlPoint)) -> Self {
+        self.points_mut().and_then(|points| points.get_mut(index)).map(change);
         self
     }
 

@@ -315,95 +315,38 @@ pub trait ValueType: Sized {
     fn from_value(value: &Value) -> Option<Self>;
 }
 
-impl ValueType for f64 {
-    fn into_value(self) -> Value {
-        Value::Number(self)
-    }
+/// Implements [`ValueType`] for the types of some kinds of [`Value`].
+macro_rules! value_types {
+    ($($type:ty => $kind:ident;)+) => {$(
+        impl ValueType for $type {
+            fn into_value(self) -> Value {
+                Value::$kind(self)
+            }
 
-    fn from_value(value: &Value) -> Option<Self> {
-        if let Value::Number(number) = value { Some(*number) } else { None }
-    }
-}
-
-impl ValueType for Option<f64> {
-    fn into_value(self) -> Value {
-        self.map_or(Value::Absent, Value::Number)
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        match value {
-            Value::Number(number) => Some(Some(*number)),
-            Value::Absent => Some(None),
-            _ => None,
+            fn from_value(value: &Value) -> Option<Self> {
+                if let Value::$kind(value) = value { Some(Self::clone(value)) } else { None }
+            }
         }
-    }
+    )+};
 }
 
-impl ValueType for bool {
+value_types! {
+    f64 => Number;
+    bool => Flag;
+    DVec3 => Vector;
+    DQuat => Rotation;
+    String => Text;
+    Links => Links;
+    PeriodicCurve => PeriodicCurve;
+}
+
+impl<T: ValueType> ValueType for Option<T> {
     fn into_value(self) -> Value {
-        Value::Flag(self)
+        self.map_or(Value::Absent, T::into_value)
     }
 
     fn from_value(value: &Value) -> Option<Self> {
-        if let Value::Flag(flag) = value { Some(*flag) } else { None }
-    }
-}
-
-impl ValueType for DVec3 {
-    fn into_value(self) -> Value {
-        Value::Vector(self)
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        if let Value::Vector(vector) = value { Some(*vector) } else { None }
-    }
-}
-
-impl ValueType for DQuat {
-    fn into_value(self) -> Value {
-        Value::Rotation(self)
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        if let Value::Rotation(rotation) = value { Some(*rotation) } else { None }
-    }
-}
-
-impl ValueType for String {
-    fn into_value(self) -> Value {
-        Value::Text(self)
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        if let Value::Text(text) = value { Some(text.clone()) } else { None }
-    }
-}
-
-impl ValueType for Option<Links> {
-    fn into_value(self) -> Value {
-        self.map_or(Value::Absent, Value::Links)
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        match value {
-            Value::Links(links) => Some(Some(links.clone())),
-            Value::Absent => Some(None),
-            _ => None,
-        }
-    }
-}
-
-impl ValueType for Option<PeriodicCurve> {
-    fn into_value(self) -> Value {
-        self.map_or(Value::Absent, Value::PeriodicCurve)
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        match value {
-            Value::PeriodicCurve(curve) => Some(Some(curve.clone())),
-            Value::Absent => Some(None),
-            _ => None,
-        }
+        if *value == Value::Absent { Some(None) } else { T::from_value(value).map(Some) }
     }
 }
 
@@ -473,11 +416,7 @@ impl Parameter {
             (ParameterKind::Number(number), Value::Absent) if number.absent.is_some() => Ok(()),
             (ParameterKind::Number(number), Value::Number(value)) => number.check(field, *value),
             (ParameterKind::PeriodicCurve { min, max, .. }, Value::PeriodicCurve(curve)) => {
-                let number = NumberRange {
-                    min: Bound::Included(*min),
-                    max: Bound::Included(*max),
-                    ..NumberRange::ANY
-                };
+                let number = NumberRange { min: Bound::Included(*min), max: Bound::Included(*max), ..NumberRange::ANY };
                 let count = curve.knots().len();
                 if count > MAX_KNOTS {
                     return Err(LightError::TooManyKnots { field, count, limit: MAX_KNOTS });
@@ -489,39 +428,33 @@ impl Parameter {
             }
             (ParameterKind::Flag, Value::Flag(_))
             | (ParameterKind::Links | ParameterKind::PeriodicCurve { .. }, Value::Absent) => Ok(()),
-            (ParameterKind::Choice(choices), Value::Choice(name))
-                if choices.iter().any(|c| c.name == *name) =>
-            {
-                Ok(())
+            (ParameterKind::Choice(choices), Value::Choice(name)) if choices.iter().any(|c| c.name == *name) => Ok(()),
+            (ParameterKind::Color | ParameterKind::Vector { .. }, Value::Vector(vector)) => {
+                if vector.is_finite() {
+                    Ok(())
+                } else {
+                    Err(LightError::NotFinite(field))
+                }
             }
-            (ParameterKind::Color | ParameterKind::Vector { .. }, Value::Vector(vector))
-                if vector.is_finite() =>
-            {
-                Ok(())
-            }
-            (ParameterKind::Color | ParameterKind::Vector { .. }, Value::Vector(_)) => {
+            (ParameterKind::Rotation, Value::Rotation(rotation)) if !rotation.is_finite() => {
                 Err(LightError::NotFinite(field))
             }
             (ParameterKind::Rotation, Value::Rotation(rotation)) => {
-                if !rotation.is_finite() {
-                    return Err(LightError::NotFinite(field));
-                }
                 // Rounding may leave a unit quaternion slightly off. A larger deviation cannot be due to rounding.
                 let length = rotation.length();
-                let unit = (0.5..=2.0).contains(&length);
-                if unit { Ok(()) } else { Err(LightError::NotARotation { field, length }) }
+                let is_unit = (0.5..=2.0).contains(&length);
+                if is_unit { Ok(()) } else { Err(LightError::NotARotation { field, length }) }
             }
-            (ParameterKind::Text { max_bytes }, Value::Text(text)) if text.len() <= *max_bytes => Ok(()),
-            (ParameterKind::Text { max_bytes }, Value::Text(_)) => {
-                Err(LightError::TooLong { field, limit: *max_bytes })
+            (ParameterKind::Text { max_bytes }, Value::Text(text)) => {
+                if text.len() <= *max_bytes {
+                    Ok(())
+                } else {
+                    Err(LightError::TooLong { field, limit: *max_bytes })
+                }
             }
             (ParameterKind::Links, Value::Links(links)) => match links.size() {
-                (count, _) if count > MAX_LINKS => {
-                    Err(LightError::TooManyLinks { field, count, limit: MAX_LINKS })
-                }
-                (_, bytes) if bytes > MAX_LINK_BYTES => {
-                    Err(LightError::TooLong { field, limit: MAX_LINK_BYTES })
-                }
+                (count, _) if count > MAX_LINKS => Err(LightError::TooManyLinks { field, count, limit: MAX_LINKS }),
+                (_, bytes) if bytes > MAX_LINK_BYTES => Err(LightError::TooLong { field, limit: MAX_LINK_BYTES }),
                 _ => Ok(()),
             },
             _ => Err(LightError::WrongType { field, expected: self.kind.to_string() }),
@@ -581,11 +514,7 @@ impl fmt::Display for ParameterKind {
             Self::Choice(choices) => {
                 let names: Vec<_> = choices.iter().map(|choice| format!("\"{}\"", choice.name)).collect();
                 let (last, others) = names.split_last().ok_or(fmt::Error)?;
-                if others.is_empty() {
-                    f.write_str(last)
-                } else {
-                    write!(f, "{} or {last}", others.join(", "))
-                }
+                if others.is_empty() { f.write_str(last) } else { write!(f, "{} or {last}", others.join(", ")) }
             }
             Self::Flag => f.write_str("true or false"),
             Self::Color => f.write_str("three numbers [r, g, b]"),

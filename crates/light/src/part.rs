@@ -57,11 +57,10 @@ impl Tube<f64> {
         // A power of two, and whole multiples of it, so that values shared by two segments at a joint stay equal to the
         // last bit.
         let span = power_of_two_above((end - start).max(LEAST_SPAN));
-        let (first, past) = ((start / span).floor(), (end / span).ceil().max((start / span).floor() + 1.0));
-        let pieces: Vec<_> =
-            (0..(past - first) as usize).map(|k| self.piece_at((first + k as f64) * span, span)).collect();
-        let length =
-            pieces.iter().map(|piece| piece.curve.d0.length() + piece.curve.d1.length()).fold(0.0, f64::max);
+        let first = (start / span).floor();
+        let count = ((end / span).ceil().max(first + 1.0) - first) as usize;
+        let pieces: Vec<_> = (0..count).map(|k| self.piece_at((first + k as f64) * span, span)).collect();
+        let length = pieces.iter().map(|piece| piece.curve.d0.length() + piece.curve.d1.length()).fold(0.0, f64::max);
         let unit = power_of_two_above(length.max(f64::MIN_POSITIVE));
         let segments: Vec<_> = pieces.iter().map(|piece| rebased(piece, region.center, unit)).collect();
         let placement = Placement {
@@ -75,32 +74,30 @@ impl Tube<f64> {
 
     /// Returns [`Self::part_near`] for the box around some world positions.
     pub fn part_near_points(&self, points_in_world: &[DVec3]) -> LightPart {
-        let (low, high) =
-            points_in_world.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &point| {
-                (low.min(point), high.max(point))
-            });
+        let (low, high) = points_in_world
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &point| (low.min(point), high.max(point)));
         self.part_near(low / 2.0 + high / 2.0, high / 2.0 - low / 2.0)
     }
 
     /// Returns the smallest and largest t of possible roots of points of the region; `None` if there are none.
     fn range_near(&self, region: &OrientedBox) -> Option<(f64, f64)> {
         let ranges = self.segments.iter().enumerate().filter_map(|(i, segment)| {
-            let t = |u: f64| i as f64 + u;
-            let range = if i == self.n {
+            let (start, end) = if i == self.n {
                 region.u_range_on_extension(&segment.curve)
             } else {
                 region.u_range_on(&segment.curve, (0.0, 1.0), MAX_HALVINGS)
-            };
-            range.map(|(start, end)| (t(start), t(end)))
+            }?;
+            Some((i as f64 + start, i as f64 + end))
         });
         ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
     /// Returns the piece of `span` that starts at `t`. It lies in one segment.
     fn piece_at(&self, t: f64, span: f64) -> Segment<f64> {
-        let index = (t.floor() as usize).min(self.segments.len() - 1);
+        let (index, start) = self.segment_at(t);
         let whole = &self.segments[index];
-        let (start, end) = (t - index as f64, t + span - index as f64);
+        let end = t + span - index as f64;
         let mut curve = whole.curve.subcurve(start, end);
         // Both segments at a joint share this point to the last bit.
         if end == 1.0 && index < self.n {
@@ -175,8 +172,7 @@ impl OrientedBox {
         // The derivatives at the ends, 2 d . d - (q - P) . a, give the inner ones.
         let slope0 = 2.0 * d0.length_squared() - from_start.dot(a);
         let slope1 = 2.0 * d1.length_squared() - from_end.dot(a);
-        let coefficients =
-            [(f0, d0), (f0 + slope0 / 3.0, d0 + a / 3.0), (f1 - slope1 / 3.0, d1 - a / 3.0), (f1, d1)];
+        let coefficients = [(f0, d0), (f0 + slope0 / 3.0, d0 + a / 3.0), (f1 - slope1 / 3.0, d1 - a / 3.0), (f1, d1)];
         let above = coefficients.iter().all(|&(f, d)| f > self.half_extent_along(d));
         let below = coefficients.iter().all(|&(f, d)| f < -self.half_extent_along(d));
         !above && !below
@@ -185,9 +181,7 @@ impl OrientedBox {
     fn intersects_tube_box(&self, piece: &Curve<f64>) -> bool {
         let bounds = &piece.bounds;
         let between = self.center - bounds.center;
-        (0..3).all(|k| {
-            between.dot(bounds.axes[k]).abs() <= bounds.half[k] + self.half_extent_along(bounds.axes[k])
-        })
+        (0..3).all(|k| between.dot(bounds.axes[k]).abs() <= bounds.half[k] + self.half_extent_along(bounds.axes[k]))
     }
 
     /// Returns the range of u of possible roots on the extension, which is straight and has no end.
@@ -205,9 +199,7 @@ fn blossomed<T>(c: [T; 3], start: f64, end: f64) -> [T; 3]
 where
     T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
 {
-    let at = |s: f64, e: f64| {
-        c[0] * ((1.0 - s) * (1.0 - e)) + c[1] * (s * (1.0 - e) + e * (1.0 - s)) + c[2] * (s * e)
-    };
+    let at = |s: f64, e: f64| c[0] * ((1.0 - s) * (1.0 - e)) + c[1] * (s * (1.0 - e) + e * (1.0 - s)) + c[2] * (s * e);
     [at(start, start), at(start, end), at(end, end)]
 }
 

@@ -41,8 +41,7 @@ impl PeriodicCurve {
     /// Returns the pieces in order, one more than there are knots. The first begins at the last knot, one turn before,
     /// so that the pieces cover all angles from 0 to 360 degrees.
     pub fn pieces(&self) -> Vec<LinearPiece> {
-        let (Some([first, first_value]), Some([last, last_value])) = (self.knots.first(), self.knots.last())
-        else {
+        let (Some([first, first_value]), Some([last, last_value])) = (self.knots.first(), self.knots.last()) else {
             return Vec::new();
         };
         let around = [[last - 360.0, *last_value]].into_iter().chain(self.knots.iter().copied());

@@ -45,11 +45,7 @@ impl SceneBounds {
         let name = || light.light().name().to_owned();
         let far = |distance: f64| {
             // Negated so that NaN is refused too.
-            if distance <= MAX_EXTENT {
-                Ok(())
-            } else {
-                Err(UndrawableLight::TooFar { name: name(), distance })
-            }
+            if distance <= MAX_EXTENT { Ok(()) } else { Err(UndrawableLight::TooFar { name: name(), distance }) }
         };
         let across = |source: DVec3| ((source - self.center).abs() + self.half_extent).length();
         let small = |sizes: f64| {
@@ -66,18 +62,16 @@ impl SceneBounds {
                 return parallel.half_size.into_iter().flatten().try_for_each(|half| small(distance / half));
             }
         };
-        let reaches = light.light().points().iter().map(|point| {
-            across(transform.translation) + (point.position.length() + point.radius) * transform.scale
-        });
+        let reaches =
+            light.light().points().iter().map(|point| {
+                across(transform.translation) + (point.position.length() + point.radius) * transform.scale
+            });
         far(reaches.fold(0.0, f64::max))?;
         small(across(tube.placement.translation) / tube.placement.world_per_tube.min(1.0))
     }
 
     /// Returns the errors of those of `lights` that a picture leaves out.
-    pub fn undrawable_of<'a>(
-        &self,
-        lights: impl IntoIterator<Item = &'a CheckedLight>,
-    ) -> Vec<UndrawableLight> {
+    pub fn undrawable_of<'a>(&self, lights: impl IntoIterator<Item = &'a CheckedLight>) -> Vec<UndrawableLight> {
         lights.into_iter().filter_map(|light| self.check(light).err()).collect()
     }
 }

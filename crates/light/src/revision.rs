@@ -43,7 +43,7 @@ impl Revisions {
 
 impl fmt::Debug for LightDigest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+        f.write_str(const_hex::const_encode::<32, false>(&self.0).as_str())
     }
 }
 
@@ -54,30 +54,30 @@ impl fmt::Debug for LightDigest {
 /// of a value of variable length comes first.
 fn digest(light: &Light, least: ParameterTouches) -> LightDigest {
     let owner = light.owner();
-    let mut walk = DigestWriter(Sha256::new());
-    walk.0.update([owner as u8]);
+    let mut writer = DigestWriter(Sha256::new());
+    writer.0.update([owner as u8]);
     let mut values: Vec<_> = light.values().collect();
     values.sort_unstable_by_key(|(row, _)| row.name);
     for (row, value) in values {
         if is_touched(row, owner, least) && row.default(owner).as_ref() != Some(value) {
-            walk.text(row.name);
-            walk.value(value);
+            writer.text(row.name);
+            writer.value(value);
         }
     }
     let points = light.points();
-    walk.number(points.len() as u64);
+    writer.number(points.len() as u64);
     let mut rows = crate::parameters_of(ParameterOwner::Point).to_vec();
     rows.sort_unstable_by_key(|row| row.name);
     for row in rows.into_iter().filter(|row| is_touched(row, ParameterOwner::Point, least)) {
         let values: Vec<_> = points.iter().filter_map(|point| point.value(row)).collect();
         if values.iter().any(|value| row.default(ParameterOwner::Point).as_ref() != Some(value)) {
-            walk.text(row.name);
+            writer.text(row.name);
             for value in &values {
-                walk.value(value);
+                writer.value(value);
             }
         }
     }
-    LightDigest(walk.0.finalize().into())
+    LightDigest(writer.0.finalize().into())
 }
 
 fn is_touched(row: &Parameter, owner: ParameterOwner, least: ParameterTouches) -> bool {

@@ -24,8 +24,7 @@ impl<F: Lanes> Segment<F> {
         let w = F::of(1.0) - u;
         let basis = [w * w, F::of(2.0) * w * u, u * u];
         let color = self.color[0] * basis[0] + self.color[1] * basis[1] + self.color[2] * basis[2];
-        let intensity =
-            self.intensity[0] * basis[0] + self.intensity[1] * basis[1] + self.intensity[2] * basis[2];
+        let intensity = self.intensity[0] * basis[0] + self.intensity[1] * basis[1] + self.intensity[2] * basis[2];
         emission::<F>(color, intensity)
     }
 }

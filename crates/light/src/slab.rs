@@ -16,12 +16,13 @@ pub struct TubeSlab {
 /// Cosine of the largest turn of the tangent in a slab. With it, a point of the slab lies between the slab's two end
 /// planes.
 const MAX_TURN_COS: f64 = 0.965_925_826_289_068_3;
-/// Largest ratio of the speeds at a slab's ends. Below it the parameter is nearly even over the slab.
+/// Largest ratio of the curve's speeds `|P'|` at the two ends of a slab. Below it, equal steps of the parameter are
+/// nearly equal lengths of the curve.
 const MAX_SPEED_RATIO: f64 = 1.4;
 /// Maximum number of halvings of a segment, for `2^MAX_HALVINGS` slabs. Only a cusp needs so many.
 const MAX_HALVINGS: usize = 6;
-/// Maximum number of further halvings of a slab. They keep its box on the curve's side of the evolute. Half the turn
-/// adds `1 - cos` of it to `R kappa`, so each halving reduces the excess to a quarter.
+/// Maximum number of further halvings of a slab whose box comes too near to the evolute. The box extends past the rim
+/// by `1 - cos` of half the slab's turn, in radii of the bend, so each halving reduces this excess to a quarter.
 const MAX_TIGHT_HALVINGS: usize = 4;
 /// Maximum share of the distance from the rim to the evolute that the box may take.
 const MAX_EVOLUTE_SHARE: f64 = 0.75;
@@ -32,41 +33,38 @@ const EVOLUTE_SAMPLES: u32 = 4;
 ///
 /// Adjacent slabs overlap by `overlap` in their own parameter, so that surfaces mapped slab by slab have no seams.
 pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<TubeSlab> {
-    let mut out = Vec::new();
+    let mut slabs = Vec::new();
     for (i, segment) in tube.segments.iter().enumerate() {
         let curve = &segment.curve;
         let end = if i < tube.n { 1.0 } else { t_max - tube.n as f64 };
         if end > 0.0 {
-            split_range(curve, (0.0, end), MAX_HALVINGS + MAX_TIGHT_HALVINGS, &mut |start, end| {
-                let (first, last) = (
-                    i == 0 && start == 0.0,
-                    tube.end_mode() == EndMode::Cut && i + 1 == tube.n && end == 1.0,
-                );
+            split_range(curve, [0.0, end], MAX_HALVINGS + MAX_TIGHT_HALVINGS, &mut |start, end| {
+                let is_first = i == 0 && start == 0.0;
+                let is_last = tube.end_mode() == EndMode::Cut && i + 1 == tube.n && end == 1.0;
                 let margin = overlap * (end - start);
                 // Past a cusp, where control points coincide, the polynomial runs back. There slabs do not overlap.
                 let runs_on = |u: f64| curve.d(u).dot(curve.d(f64::midpoint(start, end))) > 0.0;
-                let start = if first || !runs_on(start - margin) { start } else { start - margin };
-                let end = if last || !runs_on(end + margin) { end } else { end + margin };
+                let start = if is_first || !runs_on(start - margin) { start } else { start - margin };
+                let end = if is_last || !runs_on(end + margin) { end } else { end + margin };
                 let piece = curve.subcurve(start, end);
-                out.push(TubeSlab { slab_curve: piece, t_start: i as f64 + start, t_span: end - start });
+                slabs.push(TubeSlab { slab_curve: piece, t_start: i as f64 + start, t_span: end - start });
             });
         }
     }
-    out
+    slabs
 }
 
 /// Halves a range of a segment until it turns little, has nearly even speed, and has a box in which each point has one
 /// nearest point of the curve.
-fn split_range(curve: &Curve<f64>, range: (f64, f64), depth: usize, emit: &mut impl FnMut(f64, f64)) {
-    let (start, end) = range;
+fn split_range(curve: &Curve<f64>, [start, end]: [f64; 2], depth: usize, emit: &mut impl FnMut(f64, f64)) {
     let (d0, d1) = (curve.d(start), curve.d(end));
     let (slow, fast) = (d0.length().min(d1.length()), d0.length().max(d1.length()));
     let turns = curve.u_hat(start).dot(curve.u_hat(end)) < MAX_TURN_COS;
     let is_uneven = depth > MAX_TIGHT_HALVINGS && (turns || fast > MAX_SPEED_RATIO * slow);
     if depth > 0 && (is_uneven || !turns && reaches_evolute(&curve.subcurve(start, end))) {
         let middle = f64::midpoint(start, end);
-        split_range(curve, (start, middle), depth - 1, emit);
-        split_range(curve, (middle, end), depth - 1, emit);
+        split_range(curve, [start, middle], depth - 1, emit);
+        split_range(curve, [middle, end], depth - 1, emit);
     } else {
         emit(start, end);
     }
@@ -77,8 +75,8 @@ fn split_range(curve: &Curve<f64>, range: (f64, f64), depth: usize, emit: &mut i
 /// curve.
 fn reaches_evolute(piece: &Curve<f64>) -> bool {
     let TubeBox { center, axes, half } = &piece.bounds;
-    let places = (0..=EVOLUTE_SAMPLES).map(|k| f64::from(k) / f64::from(EVOLUTE_SAMPLES));
-    places.into_iter().any(|u| {
+    (0..=EVOLUTE_SAMPLES).any(|k| {
+        let u = f64::from(k) / f64::from(EVOLUTE_SAMPLES);
         let u_hat = piece.u_hat(u);
         // kappa N, towards the centre of the bend.
         let bend = piece.u_hat_derivative(u, u_hat) / (2.0 * piece.d(u).length());

@@ -48,7 +48,7 @@ fn sdiv<F: Lanes>(n: F, d: F) -> F {
     let (zero, limit) = (F::of(0.0), F::of(64.0));
     let bounded = n.abs().le(limit * d.abs());
     let beyond = F::select(mask_equal(n.lt(zero), d.lt(zero)), limit, -limit);
-    choose!(F, bounded, choose!(F, d.equals(zero), zero, n / d), beyond)
+    choose!(F::select, bounded, choose!(F::select, d.equals(zero), zero, n / d), beyond)
 }
 
 #[inline(always)]
@@ -83,13 +83,13 @@ impl<F: Lanes> Cubic<F> {
 #[inline(always)]
 fn climb<F: Lanes>(f: F, g: F, h: F, a: F, t_max: F) -> F {
     let mut t = t_max;
-    t = choose!(F, f.lt(g * t), f / g, t);
-    t = choose!(F, f.lt(h * t * t), (f / h).sqrt(), t);
-    t = choose!(F, f.lt(a * t * t * t), (f / a).cbrt_above().least(t), t);
+    t = choose!(F::select, f.lt(g * t), f / g, t);
+    t = choose!(F::select, f.lt(h * t * t), (f / h).sqrt(), t);
+    t = choose!(F::select, f.lt(a * t * t * t), (f / a).cbrt_above().least(t), t);
     for _ in 0..F::NEWTON_STEPS {
         let value = ((a * t + h) * t + g) * t - f;
         let slope = (F::of(3.0) * a * t + F::of(2.0) * h) * t + g;
-        t = choose!(F, slope.gt(F::of(0.0)), (t - value / slope).within(F::of(0.0), t_max), t);
+        t = choose!(F::select, slope.gt(F::of(0.0)), (t - value / slope).within(F::of(0.0), t_max), t);
     }
     t
 }
@@ -105,7 +105,7 @@ fn polish<F: Lanes>(curve: &Curve<F>, q: F::Vec3, u: F, low: F, high: F) -> F {
     let short = n.abs().le(slope * F::of(0.015_625))
         & (n * half_curvature).abs().le(F::of(0.25) * slope * slope)
         & slope.gt(F::of(0.0));
-    let step = choose!(F, short, n / slope, F::of(0.0));
+    let step = choose!(F::select, short, n / slope, F::of(0.0));
     (u + step).within(low, high)
 }
 
@@ -137,8 +137,8 @@ pub fn increasing_roots<F: Lanes>(curve: &Curve<F>, q: F::Vec3, f0: F, f1: F) ->
         c2: F::of(3.0) * F::dot(d0, a),
         c3: F::dot(a, a),
     };
-    let e0 = choose!(F, F::dot(d0, d0).gt(zero), f0, -F::dot(from_start, a));
-    let e1 = choose!(F, F::dot(curve.d1, curve.d1).gt(zero), f1, F::dot(q - curve.b2, a));
+    let e0 = choose!(F::select, F::dot(d0, d0).gt(zero), f0, -F::dot(from_start, a));
+    let e1 = choose!(F::select, F::dot(curve.d1, curve.d1).gt(zero), f1, F::dot(q - curve.b2, a));
     let (cl, ch) = splits(&cubic);
 
     // Computed from the geometry: near P' = 0 the roots lie so close together that the rounding of the coefficients is

@@ -31,12 +31,7 @@ impl Bvh {
     ///
     /// Accuracy: the hit lies on the path and on the triangle's plane. The error of t is some ulps over the cosine
     /// between them. A path that touches a plane for less than 1e-9 of a segment may count as a miss.
-    pub fn first_bent_hit(
-        &self,
-        path: &BentPath,
-        t_end: f64,
-        accept: impl Fn(&BentHit) -> bool,
-    ) -> Option<BentHit> {
+    pub fn first_bent_hit(&self, path: &BentPath, t_end: f64, accept: impl Fn(&BentHit) -> bool) -> Option<BentHit> {
         self.first_bent_hit_budgeted(path, t_end, |_| true, accept)
     }
 
@@ -49,16 +44,19 @@ impl Bvh {
         spend: impl Fn(u64) -> bool,
         accept: impl Fn(&BentHit) -> bool,
     ) -> Option<BentHit> {
-        self.first_bent_hit_in_bounds(path, t_end, &self.hierarchy.bounds()?, (&spend, &accept))
+        self.first_bent_hit_in_bounds(path, t_end, &self.hierarchy.bounds()?, &spend, &accept, false)
     }
 
-    /// Finds the first triangle as `Self::first_bent_hit_budgeted` does, among the triangles within `bounds`.
+    /// Finds the first triangle as `Self::first_bent_hit_budgeted` does, among the triangles within `bounds`. With
+    /// `any` it finds any triangle instead.
     pub(crate) fn first_bent_hit_in_bounds(
         &self,
         path: &BentPath,
         t_end: f64,
         bounds: &Aabb64,
-        (spend, accept): (&impl Fn(u64) -> bool, &impl Fn(&BentHit) -> bool),
+        spend: &impl Fn(u64) -> bool,
+        accept: &impl Fn(&BentHit) -> bool,
+        any: bool,
     ) -> Option<BentHit> {
         if !spend(STEPS_OF_SEGMENT * path.tube.segments.len() as u64) {
             return None;
@@ -68,7 +66,7 @@ impl Bvh {
             if !spend(STEPS_OF_CHORD) {
                 return true;
             }
-            best = self.first_on_chord(path, chord, (spend, accept), false);
+            best = self.first_on_chord(path, chord, spend, accept, any);
             best.is_some()
         });
         best
@@ -77,19 +75,15 @@ impl Bvh {
     /// Returns true if the path meets any triangle before `t_end` that `accept` takes.
     pub fn has_bent_hit(&self, path: &BentPath, t_end: f64, accept: impl Fn(&BentHit) -> bool) -> bool {
         let Some(bounds) = self.hierarchy.bounds() else { return false };
-        let mut blocked = false;
-        path.for_each_chord(t_end, &bounds, |chord| {
-            blocked = self.first_on_chord(path, chord, (&|_| true, &accept), true).is_some();
-            blocked
-        });
-        blocked
+        self.first_bent_hit_in_bounds(path, t_end, &bounds, &|_| true, &accept, true).is_some()
     }
 
     fn first_on_chord(
         &self,
         path: &BentPath,
         chord: &Chord,
-        (spend, accept): (&impl Fn(u64) -> bool, &impl Fn(&BentHit) -> bool),
+        spend: &impl Fn(u64) -> bool,
+        accept: &impl Fn(&BentHit) -> bool,
         any: bool,
     ) -> Option<BentHit> {
         let [from, to] = chord.ends;
@@ -101,9 +95,8 @@ impl Bvh {
             if any && best.is_some() {
                 return -1.0;
             }
-            let accepted = |hit: &BentHit| {
-                best.is_none_or(|best| (hit.t, hit.triangle) < (best.t, best.triangle)) && accept(hit)
-            };
+            let accepted =
+                |hit: &BentHit| best.is_none_or(|best| (hit.t, hit.triangle) < (best.t, best.triangle)) && accept(hit);
             if let Some(hit) = intersect_chord(path, chord, triangle, &self.triangles[triangle], accepted) {
                 // No nearer hit starts beyond this share: chord and path are compared at equal u.
                 limit = (hit.t - chord.segment as f64 - start) / (end - start);
@@ -170,13 +163,13 @@ impl Plane<'_> {
         let ((u0, g0), (u1, g1)) = (low, high);
         let h = u1 - u0;
         // An infinite straight piece has no bend: 0 times its length squared is 0.
-        let stray = if bend == 0.0 { 0.0 } else { bend * h * h };
+        let deviation = if bend == 0.0 { 0.0 } else { bend * h * h };
         let crosses = (g0 <= 0.0) != (g1 <= 0.0);
-        if !crosses && g0.abs().min(g1.abs()) > stray / 8.0 {
+        if !crosses && g0.abs().min(g1.abs()) > deviation / 8.0 {
             return None;
         }
-        // The slope differs from its mean by less than `stray / h`. If it cannot vanish, there is one crossing.
-        let steady = (g1 - g0).abs() > stray;
+        // The slope differs from its mean by less than `deviation / h`. If it cannot vanish, there is one crossing.
+        let steady = (g1 - g0).abs() > deviation;
         if crosses && (steady || h < MIN_CROSSING_U) {
             return take(self.crossing(low, high));
         }
@@ -191,8 +184,7 @@ impl Plane<'_> {
         }
         let middle = f64::midpoint(u0, u1);
         let middle = (middle, self.height(middle));
-        self.first_crossing([low, middle], bend, take)
-            .or_else(|| self.first_crossing([middle, high], bend, take))
+        self.first_crossing([low, middle], bend, take).or_else(|| self.first_crossing([middle, high], bend, take))
     }
 
     /// Finds the crossing between two parameters whose heights have different signs, by false position with the

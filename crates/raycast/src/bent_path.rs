@@ -115,8 +115,7 @@ impl<'a> BentPath<'a> {
         bounds: &Aabb64,
         visit: &mut impl FnMut(&Chord) -> bool,
     ) -> bool {
-        let chord =
-            Chord { segment, u, ends, second_derivative_bound: self.second_derivative_bound(segment, u) };
+        let chord = Chord { segment, u, ends, second_derivative_bound: self.second_derivative_bound(segment, u) };
         if chord.misses(bounds) {
             return false;
         }
@@ -151,12 +150,11 @@ impl<'a> BentPath<'a> {
         let rho = libm::hypot(self.v, self.w);
         let h = end - start;
         // Between its ends a quadratic is at most |R''| h^2 / 8 above the larger of them.
-        let radius =
-            s.radius(start).max(s.radius(end)) + if s.ar == 0.0 { 0.0 } else { s.ar.abs() * h * h / 4.0 };
+        let radius = s.radius(start).max(s.radius(end)) + if s.ar == 0.0 { 0.0 } else { s.ar.abs() * h * h / 4.0 };
         let widening = s.radius_derivative(start).abs().max(s.radius_derivative(end).abs());
         let turn = Turn::of(s, [start, end]);
         let twist = match self.tube.frame {
-            FrameMode::RotationMinimizing => Twist { tau: 0.0, change: 0.0 },
+            FrameMode::RotationMinimizing => Twist::default(),
             FrameMode::Up => Twist::of(self.tube.up, s, [start, end], turn),
         };
         let first = rho * (turn.omega + twist.tau);
@@ -170,7 +168,7 @@ impl<'a> BentPath<'a> {
 }
 
 /// Upper bounds for the turn of the tangent over a piece, in u.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Turn {
     /// Bound of `|u_hat'|`.
     omega: f64,
@@ -182,7 +180,7 @@ impl Turn {
     fn of(s: &Curve<f64>, [start, end]: [f64; 2]) -> Self {
         let across = s.d0.cross(s.a).length();
         if across == 0.0 {
-            return Self { omega: 0.0, change: 0.0 };
+            return Self::default();
         }
         // |d| is least where d . a = 0.
         let nearest = (-s.d0.dot(s.a) / s.a.length_squared()).clamp(start, end);
@@ -193,6 +191,7 @@ impl Turn {
 }
 
 /// Bounds of the twist of the "up" frame about the tangent over a piece, in u.
+#[derive(Default)]
 struct Twist {
     tau: f64,
     change: f64,
@@ -207,8 +206,7 @@ impl Twist {
         // The frame flips where the tangent meets `up`, and nothing bounds that.
         let sine = sine.max(1e-9);
         let tau = turn.omega / sine;
-        let change =
-            turn.omega * turn.omega * (1.0 + 1.0 / (sine * sine)) + (turn.change + tau * turn.omega) / sine;
+        let change = turn.omega * turn.omega * (1.0 + 1.0 / (sine * sine)) + (turn.change + tau * turn.omega) / sine;
         Self { tau, change }
     }
 }
@@ -239,12 +237,8 @@ mod tests {
             positions,
             ..Primitive::default()
         };
-        let node = Node {
-            name: "field".into(),
-            parent: None,
-            parent_from_local: glam::DAffine3::IDENTITY,
-            mesh: Some(0),
-        };
+        let node =
+            Node { name: "field".into(), parent: None, parent_from_local: glam::DAffine3::IDENTITY, mesh: Some(0) };
         Scene {
             nodes: vec![node],
             meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
@@ -288,8 +282,7 @@ mod tests {
     /// The cost of a light depends on its part in the scene, not on its length.
     #[test]
     fn a_long_light_asks_few_triangles() {
-        let scene = field(64);
-        let bvh = Bvh::new(scene::pose(scene.clone()));
+        let bvh = Bvh::new(scene::pose(field(64)));
         let bounds = bvh.hierarchy.bounds().expect("a box");
         let ordinary = triangles_tested_per_path(&bvh, &light_of(30.0), &bounds);
         for size in [1e3, 1e4, 1e6, 1e9] {
@@ -309,15 +302,14 @@ mod tests {
     /// No hit depends on the cuts of a path.
     #[test]
     fn hits_do_not_depend_on_the_cut() {
-        let scene = field(16);
-        let bvh = Bvh::new(scene::pose(scene.clone()));
+        let bvh = Bvh::new(scene::pose(field(16)));
         let mut hits = 0;
         for size in [30.0, 1e3, 1e6] {
             let tube = light_of(size);
             for k in 0..64 {
                 let path = bvh.bent_path(&tube, f64::from(k % 8) / 4.5 - 0.7, f64::from(k / 8) / 4.5 - 0.7);
                 let first = |bounds: &Aabb64| {
-                    bvh.first_bent_hit_in_bounds(&path, 1.0, bounds, (&|_| true, &|_: &_| true))
+                    bvh.first_bent_hit_in_bounds(&path, 1.0, bounds, &|_| true, &|_: &_| true, false)
                         .map(|hit| (hit.triangle, hit.position))
                 };
                 let (cut, whole) = (first(&bvh.hierarchy.bounds().expect("a box")), first(&Aabb64::INFINITE));
@@ -325,8 +317,7 @@ mod tests {
                 match (cut, whole) {
                     (None, None) => {}
                     // Positions round by some ulps of the light's size, and a grazing path amplifies that along itself.
-                    (Some((a, at)), Some((b, there)))
-                        if a == b && at.distance(there) < 1e-9 + 1e-13 * size => {}
+                    (Some((a, at)), Some((b, there))) if a == b && at.distance(there) < 1e-9 + 1e-13 * size => {}
                     _ => panic!("{size:e} {k}: {cut:?} {whole:?}"),
                 }
             }

@@ -42,10 +42,7 @@ impl TriangleHierarchy {
 
     /// Returns the distance from `point` beyond which there are no triangles.
     pub fn max_distance_from(&self, point: DVec3) -> f64 {
-        self.0.nodes.first().map_or(0.0, |root| {
-            let hierarchy::Aabb { min, max } = root.bounds;
-            1.01 * (min.as_dvec3() - point).abs().max((max.as_dvec3() - point).abs()).length()
-        })
+        self.bounds().map_or(0.0, |Aabb64 { min, max }| 1.01 * (min - point).abs().max((max - point).abs()).length())
     }
 
     /// Calls `meet` with every triangle whose box is close enough to `point`: within the distance that `meet` returned
@@ -53,15 +50,13 @@ impl TriangleHierarchy {
     pub fn visit_near_point(
         &self,
         point: DVec3,
-        within: f64,
+        mut within: f64,
         spend: impl Fn(u64) -> bool,
         mut meet: impl FnMut(usize) -> f64,
     ) {
-        let Self(built) = self;
-        let mut within = within;
-        let mut stack: Vec<u32> = if built.nodes.is_empty() { Vec::new() } else { vec![0] };
+        let mut stack: Vec<u32> = if self.0.nodes.is_empty() { Vec::new() } else { vec![0] };
         while let Some(index) = stack.pop() {
-            let node = &built.nodes[index as usize];
+            let node = &self.0.nodes[index as usize];
             if !spend(node_cost_steps(node)) {
                 return;
             }
@@ -69,9 +64,8 @@ impl TriangleHierarchy {
             if point.clamp(min.as_dvec3(), max.as_dvec3()).distance(point) > within {
                 continue;
             }
-            let first = node.first as usize;
             if node.is_leaf() {
-                for &triangle in &built.order[first..first + node.count as usize] {
+                for &triangle in self.0.items(node) {
                     within = meet(triangle as usize);
                 }
             } else {
@@ -82,14 +76,8 @@ impl TriangleHierarchy {
 
     /// Calls `meet` with every triangle whose box the line may touch. Nearer boxes come first. Boxes beyond the share
     /// of the line's length that `meet` returned last are skipped. Stops if `spend` refuses further steps.
-    pub fn visit_along_line(
-        &self,
-        line: ThickLine,
-        spend: impl Fn(u64) -> bool,
-        mut meet: impl FnMut(usize) -> f64,
-    ) {
-        let Self(built) = self;
-        let Some(root) = built.nodes.first() else { return };
+    pub fn visit_along_line(&self, line: ThickLine, spend: impl Fn(u64) -> bool, mut meet: impl FnMut(usize) -> f64) {
+        let Some(root) = self.0.nodes.first() else { return };
         let line = PreparedLine::new(line);
         let mut limit = 1.0;
         let Some(entry) = line.entry_share(root.bounds) else { return };
@@ -98,20 +86,19 @@ impl TriangleHierarchy {
             if entry > limit {
                 continue;
             }
-            let node = &built.nodes[index as usize];
+            let node = &self.0.nodes[index as usize];
             if !spend(node_cost_steps(node)) {
                 return;
             }
-            let first = node.first as usize;
             if node.is_leaf() {
-                for &triangle in &built.order[first..first + node.count as usize] {
+                for &triangle in self.0.items(node) {
                     limit = meet(triangle as usize);
                 }
                 continue;
             }
             let child = |k: u32| {
                 let index = node.first + k;
-                line.entry_share(built.nodes[index as usize].bounds).map(|entry| (entry, index))
+                line.entry_share(self.0.nodes[index as usize].bounds).map(|entry| (entry, index))
             };
             match (child(0), child(1)) {
                 (Some(a), Some(b)) if a.0 <= b.0 => stack.extend([b, a]),

@@ -17,12 +17,7 @@ pub struct SurfacePoint {
 impl Bvh {
     /// Finds the point of the scene's surfaces nearest to `point`, a position in scene space, at most `within` from it,
     /// that `accept` takes. Of two at the same distance the one with the lower index counts.
-    pub fn nearest(
-        &self,
-        point: DVec3,
-        within: f64,
-        accept: impl Fn(&SurfacePoint) -> bool,
-    ) -> Option<SurfacePoint> {
+    pub fn nearest(&self, point: DVec3, within: f64, accept: impl Fn(&SurfacePoint) -> bool) -> Option<SurfacePoint> {
         self.nearest_budgeted(point, within, |_| true, accept)
     }
 
@@ -38,11 +33,8 @@ impl Bvh {
         self.hierarchy.visit_near_point(point, within, spend, |index| {
             let triangle = &self.triangles[index];
             if let Some(weights) = triangle.nearest_barycentrics(point) {
-                let found = SurfacePoint {
-                    triangle: index,
-                    position: triangle.position_at(weights),
-                    barycentrics: weights,
-                };
+                let found =
+                    SurfacePoint { triangle: index, position: triangle.position_at(weights), barycentrics: weights };
                 let distance = found.position.distance(point);
                 let nearer = best.is_none_or(|(least, best)| (distance, index) < (least, best.triangle));
                 if distance <= within && nearer && accept(&found) {

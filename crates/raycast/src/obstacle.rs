@@ -46,19 +46,24 @@ pub struct Obstacle {
 impl Bvh {
     /// Finds the first caster from the source on that blocks light to `point`, in scene space, among the nodes that
     /// cast shadows by `linked`.
-    pub fn first_obstacle(&self, way: &LightPath, point: DVec3, linked: &LinkedNodes) -> Option<Obstacle> {
-        match way {
+    pub fn first_obstacle(&self, path: &LightPath, point: DVec3, linked: &LinkedNodes) -> Option<Obstacle> {
+        let (from, own_triangle) = match path {
             LightPath::Bent { path, t } => {
                 let hit = self.first_bent_hit(path, *t, self.blocking_hits(path, point, linked))?;
-                Some(Obstacle { triangle: hit.triangle, position: hit.position, t: hit.t })
+                return Some(Obstacle { triangle: hit.triangle, position: hit.position, t: hit.t });
             }
-            LightPath::FromPoint { source, own_triangle: own } => {
-                self.first_obstacle_between(*source, point, *own, linked)
+            LightPath::FromPoint { source, own_triangle } => (*source, *own_triangle),
+            LightPath::FromDirection { to_light, own_triangle } => {
+                (self.point_outside_scene(point, *to_light), *own_triangle)
             }
-            LightPath::FromDirection { to_light, own_triangle: own } => {
-                self.first_obstacle_between(self.point_outside_scene(point, *to_light), point, *own, linked)
-            }
-        }
+        };
+        let direction = point - from;
+        let far = 1.0 - CONTACT_TOLERANCE - rounding_error(point) / direction.length();
+        let hit = self.first_hit(from, direction, [0.0, far], |hit| {
+            hit.triangle != own_triangle && self.casts_shadow_at(linked, hit.triangle, hit.barycentrics)
+        })?;
+        let (position, t) = (from + direction * hit.distance, direction.length() * hit.distance);
+        Some(Obstacle { triangle: hit.triangle, position, t })
     }
 
     /// Returns true if a caster blocks a bent path on which the point is at `t`.
@@ -80,33 +85,11 @@ impl Bvh {
 
     /// Returns a test for hits that block light on a bent path to a point. The point's own triangle may block it: a
     /// bent path can cross it elsewhere too.
-    fn blocking_hits(
-        &self,
-        path: &BentPath,
-        point: DVec3,
-        linked: &LinkedNodes,
-    ) -> impl Fn(&BentHit) -> bool {
+    fn blocking_hits(&self, path: &BentPath, point: DVec3, linked: &LinkedNodes) -> impl Fn(&BentHit) -> bool {
         let contact = CONTACT_TOLERANCE * path.tube.placement.world_per_tube + rounding_error(point);
         move |hit| {
-            hit.position.distance(point) > contact
-                && self.casts_shadow_at(linked, hit.triangle, hit.barycentrics)
+            hit.position.distance(point) > contact && self.casts_shadow_at(linked, hit.triangle, hit.barycentrics)
         }
-    }
-
-    fn first_obstacle_between(
-        &self,
-        from: DVec3,
-        point: DVec3,
-        own: usize,
-        linked: &LinkedNodes,
-    ) -> Option<Obstacle> {
-        let way = point - from;
-        let far = 1.0 - CONTACT_TOLERANCE - rounding_error(point) / way.length();
-        let hit = self.first_hit(from, way, [0.0, far], |hit| {
-            hit.triangle != own && self.casts_shadow_at(linked, hit.triangle, hit.barycentrics)
-        })?;
-        let (position, t) = (from + way * hit.distance, way.length() * hit.distance);
-        Some(Obstacle { triangle: hit.triangle, position, t })
     }
 }
 

@@ -38,15 +38,15 @@ impl BentPath<'_> {
                 (end > 0.0 || segment == 0).then(|| self.chord(segment, [0.0, end.max(0.0)]))
             })
             .collect();
-        let stray = loop {
-            let (worst, stray) = chords
+        let error = loop {
+            let (worst, error) = chords
                 .iter()
                 .map(chord_error_bound)
                 .enumerate()
-                .fold((0, 0.0), |most, (k, stray)| if stray > most.1 { (k, stray) } else { most });
+                .fold((0, 0.0), |most, (k, error)| if error > most.1 { (k, error) } else { most });
             let length: f64 = chords.iter().map(Chord::length).sum();
-            if stray <= MAX_ERROR_SHARE * length || chords.len() + 1 >= most {
-                break stray;
+            if error <= MAX_ERROR_SHARE * length || chords.len() + 1 >= most {
+                break error;
             }
             let Chord { segment, u: [start, end], .. } = chords[worst];
             let middle = f64::midpoint(start, end);
@@ -55,14 +55,13 @@ impl BentPath<'_> {
         };
         let points = chords[..1].iter().map(|first| first.ends[0]).chain(chords.iter().map(|c| c.ends[1]));
         let length = chords.iter().map(|chord| self.arc_length_between(chord.segment, chord.u, 0)).sum();
-        Polyline { points: points.collect(), max_error: stray, length }
+        Polyline { points: points.collect(), max_error: error, length }
     }
 
     /// Returns the length of the path between two parameters of a segment, by halving until that makes no difference.
     fn arc_length_between(&self, segment: usize, [start, end]: [f64; 2], halvings: u32) -> f64 {
         let middle = f64::midpoint(start, end);
-        let (whole, halves) =
-            (self.extrapolated_length(segment, [start, end]), [[start, middle], [middle, end]]);
+        let (whole, halves) = (self.extrapolated_length(segment, [start, end]), [[start, middle], [middle, end]]);
         let parts: f64 = halves.iter().map(|half| self.extrapolated_length(segment, *half)).sum();
         if (parts - whole).abs() <= LENGTH_ERROR * parts || halvings == MAX_HALVINGS {
             return parts;
@@ -73,8 +72,7 @@ impl BentPath<'_> {
     /// Returns the length by Richardson's extrapolation: halving removes three quarters of the error of the straight
     /// length.
     fn extrapolated_length(&self, segment: usize, [start, end]: [f64; 2]) -> f64 {
-        let [from, middle, to] =
-            [start, f64::midpoint(start, end), end].map(|u| self.position_at(segment, u));
+        let [from, middle, to] = [start, f64::midpoint(start, end), end].map(|u| self.position_at(segment, u));
         (4.0 * (from.distance(middle) + middle.distance(to)) - from.distance(to)) / 3.0
     }
 }

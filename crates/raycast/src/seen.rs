@@ -3,7 +3,7 @@
 use glam::DVec3;
 use scene::ViewRay;
 
-use crate::{Bvh, Hit};
+use crate::Bvh;
 
 /// Surface point that a camera sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,19 +61,14 @@ impl Bvh {
         let hit = self.first_hit_budgeted(ray.origin, ray.direction, ray.depth_range, spend, |hit| {
             let triangle = &self.triangles[hit.triangle];
             let front = triangle.normal().dot(ray.direction) < 0.0;
-            (front || self.material(triangle).double_sided)
-                && self.passes_alpha_test(triangle, hit.barycentrics)
+            (front || self.material(triangle).double_sided) && self.passes_alpha_test(triangle, hit.barycentrics)
         })?;
-        Some(self.visible_point_at(ray, &hit))
-    }
-
-    fn visible_point_at(&self, ray: &ViewRay, hit: &Hit) -> SeenPoint {
         let triangle = &self.triangles[hit.triangle];
         let face = triangle.normal().normalize();
         let side = if face.dot(ray.direction) < 0.0 { 1.0 } else { -1.0 };
         let position = ray.origin + ray.direction * hit.distance;
         let (normal, terminator_offset) = self.smooth_surface_at(hit.triangle, hit.barycentrics, position);
-        SeenPoint {
+        Some(SeenPoint {
             position,
             depth: hit.distance,
             geometric_normal: face * side,
@@ -83,7 +78,7 @@ impl Bvh {
             node: triangle.node,
             triangle: hit.triangle,
             barycentrics: hit.barycentrics,
-        }
+        })
     }
 
     /// Evaluates the smooth surface that the vertex normals of a triangle describe, at a position with those
@@ -98,8 +93,7 @@ impl Bvh {
         });
         let mean: DVec3 = (0..3).map(|k| normals[k] * weights[k]).sum();
         // If the vertex normals cancel, there is nothing to interpolate: the face's own normal replaces them.
-        let normal =
-            if mean.length_squared() > 1e-12 { mean.normalize() } else { triangle.normal().normalize() };
+        let normal = if mean.length_squared() > 1e-12 { mean.normalize() } else { triangle.normal().normalize() };
         let bulge = |k: usize| (triangle.corners[k] - position).dot(normals[k] - mean).abs();
         (normal, (0..3).map(|k| weights[k].max(0.0) * bulge(k)).sum())
     }

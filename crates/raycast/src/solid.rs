@@ -35,9 +35,9 @@ impl Bvh {
         } else {
             (0..3).map(|k| f64::from(colors[triangle.vertices[k] as usize].w) * weights[k]).sum()
         };
-        let texel = material.base_color_texture.map_or(1.0, |texture| {
-            alpha(&self.posed.scene.images[texture.image], texture, self.uv(triangle, weights))
-        });
+        let texel = material
+            .base_color_texture
+            .map_or(1.0, |texture| alpha(&self.posed.scene.images[texture.image], texture, self.uv(triangle, weights)));
         f64::from(material.base_color.w) * vertices * texel >= f64::from(cutoff)
     }
 }

@@ -43,8 +43,7 @@ impl Bvh {
         spend: impl Fn(u64) -> bool,
         accept: impl Fn(&Hit) -> bool,
     ) -> Option<Hit> {
-        let reach = self.hierarchy.max_distance_from(origin) / direction.length();
-        let far = far.min(reach);
+        let far = far.min(self.hierarchy.max_distance_from(origin) / direction.length());
         if near > far {
             return None;
         }

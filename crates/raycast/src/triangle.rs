@@ -25,13 +25,19 @@ impl Triangle {
         (b - a).cross(c - a)
     }
 
-    /// Returns the barycentric weights of the corners at a point of the triangle's plane; `None` outside the triangle.
-    pub fn barycentrics_at(&self, point: DVec3) -> Option<DVec3> {
+    /// Returns the barycentric weights of the corners at a point of the triangle's plane, inside the triangle or not;
+    /// NaN for a triangle without area.
+    pub fn plane_barycentrics(&self, point: DVec3) -> DVec3 {
         let [a, b, c] = self.corners;
         let (normal, at) = (self.normal(), point - a);
         let area2 = normal.length_squared();
         let (beta, gamma) = (at.cross(c - a).dot(normal) / area2, (b - a).cross(at).dot(normal) / area2);
-        let weights = DVec3::new(1.0 - beta - gamma, beta, gamma);
+        DVec3::new(1.0 - beta - gamma, beta, gamma)
+    }
+
+    /// Returns the barycentric weights of the corners at a point of the triangle's plane; `None` outside the triangle.
+    pub fn barycentrics_at(&self, point: DVec3) -> Option<DVec3> {
+        let weights = self.plane_barycentrics(point);
         // Also false for a triangle without area, for which all is NaN.
         (weights.min_element() >= -OVERLAP).then_some(weights)
     }
@@ -45,9 +51,8 @@ impl Triangle {
             return Some(weights);
         }
         // Outside the triangle the nearest point lies on an edge.
-        let on_edge = |from: DVec3, to: DVec3| {
-            ((point - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0)
-        };
+        let on_edge =
+            |from: DVec3, to: DVec3| ((point - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
         let (ab, bc, ca) = (on_edge(a, b), on_edge(b, c), on_edge(c, a));
         let edges = [[1.0 - ab, ab, 0.0], [0.0, 1.0 - bc, bc], [ca, 0.0, 1.0 - ca]].map(DVec3::from);
         let distance2 = |weights: &DVec3| self.position_at(*weights).distance_squared(point);

@@ -6,9 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ReferenceError {
     /// The view has no pixels or no samples.
-    #[error(
-        "this view has no pixels or no samples: give it a width, a height and at least one sample a pixel"
-    )]
+    #[error("this view has no pixels or no samples: give it a width, a height and at least one sample a pixel")]
     EmptyView,
     /// The camera makes no picture.
     #[error("the camera's {0}: correct the camera")]

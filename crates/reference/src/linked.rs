@@ -9,18 +9,13 @@ use crate::ReferenceLight;
 /// Light, with the nodes that it illuminates and the nodes that cast shadows in it.
 #[derive(Clone, Debug)]
 pub struct LinkedReferenceLight {
-    source: ReferenceLight,
-    linked: LinkedNodes,
+    pub(crate) source: ReferenceLight,
+    pub(crate) linked: LinkedNodes,
 }
 
 impl LinkedReferenceLight {
     /// Resolves the links of a light in a scene.
     pub fn new(posed: &PosedScene, light: &CheckedLight) -> Self {
         Self { source: ReferenceLight::new(light), linked: LinkedNodes::new(posed, light) }
-    }
-
-    /// Returns the light and its nodes.
-    pub(crate) fn parts(&self) -> (&ReferenceLight, &LinkedNodes) {
-        (&self.source, &self.linked)
     }
 }

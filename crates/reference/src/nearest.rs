@@ -10,11 +10,10 @@ impl Reference {
     ///
     /// A rounded position lies slightly above or below its surface, which then would shadow it.
     pub fn surface_near(&self, point_in_world: DVec3, within: f64) -> Option<DVec3> {
-        let origin = self.bvh.posed.origin_in_world;
         let solid = |found: &raycast::SurfacePoint| {
             self.bvh.passes_alpha_test(&self.bvh.triangles[found.triangle], found.barycentrics)
         };
-        let found = self.bvh.nearest(point_in_world - origin, within, solid)?;
-        Some(found.position + origin)
+        let found = self.bvh.nearest(self.in_scene(point_in_world), within, solid)?;
+        Some(self.in_world(found.position))
     }
 }

@@ -1,7 +1,7 @@
 //! Whole pictures.
 
 use glam::{DVec2, DVec3};
-use light::LightInstance;
+use light::{LightCoords, LightInstance};
 use rayon::prelude::*;
 use scene::{Aov, View};
 
@@ -61,27 +61,25 @@ impl Reference {
 
     /// Returns the AOV's value at a surface. `None` if the AOV belongs to a light and the surface is outside this
     /// light.
-    fn value(
-        &self,
-        view: &View,
-        sources: &[LinkedReferenceLight],
-        surface: &ShadedPoint,
-    ) -> Option<[f64; 4]> {
-        let first = || sources.first().and_then(|source| self.sample_unshadowed(source.parts(), surface));
+    fn value(&self, view: &View, sources: &[LinkedReferenceLight], surface: &ShadedPoint) -> Option<[f64; 4]> {
+        let first = || {
+            let LinkedReferenceLight { source, linked } = sources.first()?;
+            Some(self.sample_unshadowed(source, linked, surface)?.coords)
+        };
         let value = match view.aov {
             Aov::Beauty => self.radiance(sources, view.fill, surface),
             Aov::Depth => DVec3::splat(surface.depth),
             Aov::Normal => surface.normal,
-            Aov::Position => surface.position + self.bvh.posed.origin_in_world,
-            Aov::T => DVec3::splat(first()?.coords.t),
+            Aov::Position => self.in_world(surface.position),
+            Aov::T => DVec3::splat(first()?.t),
             Aov::Vw => {
-                let place = first()?.coords;
-                DVec3::new(place.v, place.w, 0.0)
+                let LightCoords { v, w, .. } = first()?;
+                DVec3::new(v, w, 0.0)
             }
-            Aov::Direction => first()?.coords.direction,
+            Aov::Direction => first()?.direction,
             Aov::Visibility => {
-                let visible = self.sample_linked(sources.first()?.parts(), surface)?.is_visible;
-                DVec3::splat(if visible { 1.0 } else { 0.0 })
+                let LinkedReferenceLight { source, linked } = sources.first()?;
+                DVec3::splat(if self.sample_linked(source, linked, surface)?.is_visible { 1.0 } else { 0.0 })
             }
             Aov::Wireframe => return None,
         };
@@ -93,14 +91,14 @@ impl Reference {
     pub fn radiance(&self, sources: &[LinkedReferenceLight], fill: f64, surface: &ShadedPoint) -> DVec3 {
         let lit: DVec3 = sources
             .iter()
-            .map(|source| {
-                let Some(light) = self.sample_unshadowed(source.parts(), surface) else { return DVec3::ZERO };
-                let filter = source.parts().0.light_profile();
-                let lobes = [filter.diffuse, filter.specular];
+            .map(|LinkedReferenceLight { source, linked }| {
+                let Some(light) = self.sample_unshadowed(source, linked, surface) else { return DVec3::ZERO };
+                let profile = source.light_profile();
+                let lobes = [profile.diffuse, profile.specular];
                 let radiance = evaluate_brdf(surface, light.coords.direction, lobes) * light.irradiance;
                 // The shadow is traced only if it can have an effect.
-                let lit = radiance != DVec3::ZERO && self.is_lit(source.parts(), surface, &light);
-                radiance * filter.arriving(if lit { 1.0 } else { 0.0 })
+                let lit = radiance != DVec3::ZERO && self.is_lit(source, linked, surface, &light);
+                radiance * profile.arriving(if lit { 1.0 } else { 0.0 })
             })
             .sum();
         lit + self.fill(surface) * fill
@@ -120,10 +118,7 @@ impl Reference {
 }
 
 /// Returns the lights that the view needs: all, the AOV's light, or none.
-fn required_lights<'a>(
-    view: &View,
-    lights: &'a [LightInstance],
-) -> Result<&'a [LightInstance], ReferenceError> {
+fn required_lights<'a>(view: &View, lights: &'a [LightInstance]) -> Result<&'a [LightInstance], ReferenceError> {
     let (index, count) = (view.light, lights.len());
     match view.aov {
         Aov::Beauty => Ok(lights),

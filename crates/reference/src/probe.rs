@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 use light::parameters::ENABLED;
-use light::{LightCoords, LightId, LightInstance, LightRays, Tube};
+use light::{LightCoords, LightId, LightInstance, LightRays};
 use raycast::LinkedNodes;
 use scene::View;
 
@@ -154,27 +154,24 @@ impl Reference {
     }
 
     fn probe_light(&self, light: &LightInstance, is_muted: bool, surface: &ShadedPoint) -> LightProbe {
-        let (source, linked) =
-            (ReferenceLight::new(&light.light), LinkedNodes::new(&self.bvh.posed, &light.light));
+        let (source, linked) = (ReferenceLight::new(&light.light), LinkedNodes::new(&self.bvh.posed, &light.light));
         // The coordinates do not depend on links.
-        let sample = self.sample_unshadowed((&source, &LinkedNodes::default()), surface);
-        let state = self.state(light, is_muted, (&source, &linked), surface, sample.as_ref());
+        let sample = self.sample_unshadowed(&source, &LinkedNodes::default(), surface);
+        let state = self.state(light, is_muted, &source, &linked, surface, sample.as_ref());
         let (mut irradiance, mut radiance) = (DVec3::ZERO, DVec3::ZERO);
         if let Some(sample) = &sample
             && !matches!(state, LightState::Disabled(_) | LightState::Unlinked)
         {
-            let filter = source.light_profile();
-            let lobes = [filter.diffuse, filter.specular];
+            let profile = source.light_profile();
+            let lobes = [profile.diffuse, profile.specular];
             let visibility = if state == LightState::Lit { 1.0 } else { 0.0 };
             irradiance = sample.irradiance;
             radiance = evaluate_brdf(surface, sample.coords.direction, lobes)
                 * sample.irradiance
-                * filter.arriving(visibility);
+                * profile.arriving(visibility);
         }
-        let (place, path) = sample.map_or((None, Vec::new()), |sample| {
-            let (place, path) = self.light_path(light.light.rays(), surface.position, &sample);
-            (Some(place), path)
-        });
+        let (place, path) = sample.map(|sample| self.light_path(light.light.rays(), surface.position, &sample)).unzip();
+        let path = path.unwrap_or_default();
         LightProbe { light: light.clone(), state, place, irradiance, radiance, share: 0.0, path }
     }
 
@@ -182,18 +179,19 @@ impl Reference {
         &self,
         light: &LightInstance,
         is_muted: bool,
-        (source, linked): (&ReferenceLight, &LinkedNodes),
+        source: &ReferenceLight,
+        linked: &LinkedNodes,
         surface: &ShadedPoint,
         sample: Option<&LightSample>,
     ) -> LightState {
-        let filter = source.light_profile();
+        let profile = source.light_profile();
         if is_muted {
             return LightState::Disabled(DisabledBy::Muted);
         }
         if !light.light.light().get(ENABLED) {
             return LightState::Disabled(DisabledBy::Off);
         }
-        if filter.is_dark() {
+        if profile.is_dark() {
             return LightState::Disabled(DisabledBy::Dark);
         }
         if !linked.is_lit(surface.node) {
@@ -203,16 +201,16 @@ impl Reference {
         if sample.irradiance == DVec3::ZERO {
             return LightState::Faded;
         }
-        let can_be_shadowed = filter.shadow_enable;
+        let can_be_shadowed = profile.shadow_enable;
         if surface.normal.dot(sample.coords.direction) <= 0.0
             || can_be_shadowed && self.is_back_facing(linked, surface, sample)
         {
             return LightState::FacingAway;
         }
-        if !can_be_shadowed || self.has_line_of_sight((source, linked), surface, sample) {
+        if !can_be_shadowed || self.has_line_of_sight(source, linked, surface, sample) {
             return LightState::Lit;
         }
-        let found = self.first_occluder((source, linked), surface, sample);
+        let found = self.first_occluder(source, linked, surface, sample);
         // An occluder that exists only by rounding lies on the surface itself.
         let (node, position) = found.map_or((surface.node, surface.position), |obstacle| {
             (self.bvh.triangles[obstacle.triangle].node, obstacle.position)
@@ -222,46 +220,30 @@ impl Reference {
 
     /// Returns the light coordinates of a point, and the light path to it.
     fn light_path(&self, rays: &LightRays, point: DVec3, sample: &LightSample) -> (ProbedPlace, Vec<DVec3>) {
-        let place = sample.coords;
-        let straight = |from: DVec3| vec![self.in_world(from), self.in_world(point)];
-        let in_scene = |source: DVec3| source - self.bvh.posed.origin_in_world;
-        match rays {
-            LightRays::Bent(tube) => self.bent_light_path(tube, place),
+        let coords = sample.coords;
+        let (points, radius, path_length) = match rays {
+            LightRays::Bent(tube) => {
+                let polyline = self.bvh.bent_path(tube, coords.v, coords.w).polyline(coords.t, MAX_PATH_POINTS);
+                let segment = (coords.t as usize).min(tube.segments.len() - 1);
+                let radius = tube.segments[segment].curve.radius(coords.t - segment as f64);
+                (polyline.points, Some(radius * tube.placement.world_per_tube), Some(polyline.length))
+            }
             LightRays::Cone(cone) => {
-                let from = in_scene(cone.translation);
+                let from = self.in_scene(cone.translation);
                 let radius = -(cone.rotation.transpose() * (point - from)).z * cone.tan_outer;
-                (
-                    ProbedPlace { coords: place, radius: Some(radius), path_length: Some(place.s) },
-                    straight(from),
-                )
+                (vec![from, point], Some(radius), Some(coords.s))
             }
-            LightRays::Omni(omni) => {
-                let path_length = Some(place.s);
-                (
-                    ProbedPlace { coords: place, radius: None, path_length },
-                    straight(in_scene(omni.translation)),
-                )
-            }
+            LightRays::Omni(omni) => (vec![self.in_scene(omni.translation), point], None, Some(coords.s)),
             LightRays::Parallel(parallel) => {
                 let from = self.bvh.point_outside_scene(point, parallel.direction());
-                (ProbedPlace { coords: place, radius: None, path_length: None }, straight(from))
+                (vec![from, point], None, None)
             }
-        }
-    }
-
-    fn bent_light_path(&self, tube: &Tube<f64>, place: LightCoords) -> (ProbedPlace, Vec<DVec3>) {
-        let polyline = self.bvh.bent_path(tube, place.v, place.w).polyline(place.t, MAX_PATH_POINTS);
-        let segment = (place.t as usize).min(tube.segments.len() - 1);
-        let radius = tube.segments[segment].curve.radius(place.t - segment as f64);
-        let place = ProbedPlace {
-            coords: place,
-            radius: Some(radius * tube.placement.world_per_tube),
-            path_length: Some(polyline.length),
         };
-        (place, polyline.points.into_iter().map(|point| self.in_world(point)).collect())
+        let path = points.into_iter().map(|point| self.in_world(point)).collect();
+        (ProbedPlace { coords, radius, path_length }, path)
     }
 
-    fn in_world(&self, position: DVec3) -> DVec3 {
+    pub(crate) fn in_world(&self, position: DVec3) -> DVec3 {
         position + self.bvh.posed.origin_in_world
     }
 }

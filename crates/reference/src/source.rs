@@ -46,40 +46,44 @@ impl ReferenceLight {
             LightRays::Omni(omni) => Self::Omni(omni.clone()),
         }
     }
-}
 
-/// Samples a spotlight with its source at `source`. Returns `None` outside its cone.
-pub(crate) fn sample_cone(cone: &Cone, source: DVec3, point: DVec3) -> Option<LightSample> {
-    let place = cone.locate(point - source)?;
-    let irradiance = cone.irradiance(&place);
-    Some(LightSample { coords: place, along_path: place.direction, irradiance, is_visible: true })
-}
+    /// Returns the world position of the source, or of the window's centre for a directional light.
+    pub(crate) fn position(&self) -> DVec3 {
+        match self {
+            Self::Bendy(tube) => tube.placement.translation,
+            Self::Spot(cone) => cone.translation,
+            Self::Omni(omni) => omni.translation,
+            Self::Directional(parallel) => parallel.translation,
+        }
+    }
 
-/// Samples an omni light with its source at `source`. Returns `None` beyond its range.
-pub(crate) fn sample_omni(omni: &Omni, source: DVec3, point: DVec3) -> Option<LightSample> {
-    let place = omni.locate(point - source)?;
-    let irradiance = omni.irradiance(&place);
-    Some(LightSample { coords: place, along_path: place.direction, irradiance, is_visible: true })
-}
-
-/// Samples a directional light. Returns `None` outside its window.
-pub(crate) fn sample_parallel(parallel: &Parallel, point: DVec3) -> Option<LightSample> {
-    let place = parallel.locate(point)?;
-    let irradiance = parallel.irradiance(&place);
-    Some(LightSample { coords: place, along_path: place.direction, irradiance, is_visible: true })
-}
-
-/// Samples a BendyLight with its source at `source`. Returns `None` outside its tube.
-pub(crate) fn sample_tube(tube: &Tube<f64>, source: DVec3, point: DVec3) -> Option<LightSample> {
-    // Like `Placement::tube_from_world`, but relative to a near origin.
-    let in_tube = tube.placement.rotation.transpose() * (point - source) / tube.placement.world_per_tube;
-    let root = tube.nearest_root(in_tube)?;
-    Some(LightSample {
-        coords: tube.place_at(&root),
-        along_path: tube.placement.rotation * tube.path_direction_at(&root),
-        irradiance: tube.irradiance(&root),
-        is_visible: true,
-    })
+    /// Samples the light at a point, without its shadow. `source` is the position of the light, with the same origin as
+    /// `point`. Returns `None` outside the light.
+    pub(crate) fn sample(&self, source: DVec3, point: DVec3) -> Option<LightSample> {
+        let straight = |coords: LightCoords, irradiance: DVec3| (coords, coords.direction, irradiance);
+        let (coords, along_path, irradiance) = match self {
+            Self::Bendy(tube) => {
+                // Like `Placement::tube_from_world`, but relative to a near origin.
+                let in_tube = tube.placement.rotation.transpose() * (point - source) / tube.placement.world_per_tube;
+                let root = tube.nearest_root(in_tube)?;
+                let along_path = tube.placement.rotation * tube.path_direction_at(&root);
+                (tube.coords_at(&root), along_path, tube.irradiance(&root))
+            }
+            Self::Spot(cone) => {
+                let coords = cone.locate(point - source)?;
+                straight(coords, cone.irradiance(&coords))
+            }
+            Self::Omni(omni) => {
+                let coords = omni.locate(point - source)?;
+                straight(coords, omni.irradiance(&coords))
+            }
+            Self::Directional(parallel) => {
+                let coords = Parallel { translation: source, ..parallel.clone() }.locate(point)?;
+                straight(coords, parallel.irradiance(&coords))
+            }
+        };
+        Some(LightSample { coords, along_path, irradiance, is_visible: true })
+    }
 }
 
 /// Returns the coordinates of `point`, which lies near the point of `sample`, inside the tube or beyond its
@@ -87,12 +91,7 @@ pub(crate) fn sample_tube(tube: &Tube<f64>, source: DVec3, point: DVec3) -> Opti
 ///
 /// Newton's method on `(q - P) . P'` starts at the sample's `t`. Each step squares the error, which starts as
 /// the curvature over the distance.
-pub(crate) fn coords_near(
-    tube: &Tube<f64>,
-    source: DVec3,
-    sample: &LightSample,
-    point: DVec3,
-) -> (f64, DVec2) {
+pub(crate) fn coords_near(tube: &Tube<f64>, source: DVec3, sample: &LightSample, point: DVec3) -> (f64, DVec2) {
     const STEPS: usize = 8;
     let q = tube.placement.rotation.transpose() * (point - source) / tube.placement.world_per_tube;
     let last = tube.segments.len() - 1;

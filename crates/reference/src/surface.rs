@@ -39,9 +39,8 @@ impl Reference {
         let material = self.bvh.material(triangle);
         let footprint = self.footprint(view, pixel, triangle, seen.barycentrics);
         let base = self.base_color(triangle, material, &footprint, seen.barycentrics);
-        let texel = material
-            .metallic_roughness_texture
-            .map_or(DVec4::ONE, |texture| self.textures.linear(texture, &footprint));
+        let texel =
+            material.metallic_roughness_texture.map_or(DVec4::ONE, |texture| self.textures.linear(texture, &footprint));
         Some(ShadedPoint {
             seen,
             base_color: base.truncate().clamp(DVec3::ZERO, DVec3::ONE),
@@ -54,21 +53,14 @@ impl Reference {
         ViewRay::new(&view.camera, [view.width, view.height], pixel, self.bvh.posed.origin_in_world)
     }
 
-    fn base_color(
-        &self,
-        triangle: &Triangle,
-        material: &Material,
-        footprint: &Footprint,
-        weights: DVec3,
-    ) -> DVec4 {
+    fn base_color(&self, triangle: &Triangle, material: &Material, footprint: &Footprint, weights: DVec3) -> DVec4 {
         let colors = &self.bvh.primitive(triangle).colors;
         let color: DVec4 = if colors.is_empty() {
             DVec4::ONE
         } else {
             (0..3).map(|k| colors[triangle.vertices[k] as usize].as_dvec4() * weights[k]).sum()
         };
-        let texel =
-            material.base_color_texture.map_or(DVec4::ONE, |texture| self.textures.srgb(texture, footprint));
+        let texel = material.base_color_texture.map_or(DVec4::ONE, |texture| self.textures.srgb(texture, footprint));
         material.base_color.as_dvec4() * color * texel
     }
 
@@ -78,13 +70,9 @@ impl Reference {
         let uv = self.bvh.uv(triangle, weights);
         let step = |by: DVec2| {
             let ray = self.ray(view, pixel + by);
-            let [a, b, c] = triangle.corners;
             let normal = triangle.normal();
-            let distance = normal.dot(a - ray.origin) / normal.dot(ray.direction);
-            let at = ray.origin + ray.direction * distance - a;
-            let area2 = normal.length_squared();
-            let (beta, gamma) = (at.cross(c - a).dot(normal) / area2, (b - a).cross(at).dot(normal) / area2);
-            self.bvh.uv(triangle, DVec3::new(1.0 - beta - gamma, beta, gamma)) - uv
+            let distance = normal.dot(triangle.corners[0] - ray.origin) / normal.dot(ray.direction);
+            self.bvh.uv(triangle, triangle.plane_barycentrics(ray.origin + ray.direction * distance)) - uv
         };
         Footprint { uv, dx: step(DVec2::X), dy: step(DVec2::Y) }
     }

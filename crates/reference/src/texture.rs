@@ -66,18 +66,17 @@ impl Textures {
         let level = if texels <= 1.0 { 0.0 } else { libm::log2(texels).min(last as f64) };
         let (fine, share) = (level as usize, level.fract());
         let coarse = (fine + 1).min(last);
+        let is_nearest = texels <= 1.0 && texture.sampler.nearest;
+        let blended = |at: &dyn Fn(usize) -> DVec4| {
+            if share == 0.0 { at(fine) } else { at(fine).lerp(at(coarse), share) }
+        };
         if let Some(chains) = &self.chains {
             let chain = chains[&(texture.image, srgb)].get_or_init(|| mips(image, srgb));
-            if texels <= 1.0 && texture.sampler.nearest {
-                return nearest(&chain[0], texture, footprint.uv);
-            }
-            let at = |level: usize| bilinear(&chain[level], texture, footprint.uv);
-            return if share == 0.0 { at(fine) } else { at(fine).lerp(at(coarse), share) };
+            let sample = if is_nearest { nearest } else { bilinear };
+            return blended(&|level| sample(&chain[level], texture, footprint.uv));
         }
         let table = decoded(srgb);
-        let is_nearest = texels <= 1.0 && texture.sampler.nearest;
-        let at = |level: usize| sample_uncached(image, &table, texture, footprint.uv, (level, is_nearest));
-        if share == 0.0 { at(fine) } else { at(fine).lerp(at(coarse), share) }
+        blended(&|level| sample_uncached(image, &table, texture, footprint.uv, level, is_nearest))
     }
 }
 
@@ -87,7 +86,8 @@ fn sample_uncached(
     table: &[f64],
     texture: TextureRef,
     uv: DVec2,
-    (level, is_nearest): (usize, bool),
+    level: usize,
+    is_nearest: bool,
 ) -> DVec4 {
     let side = |at: f64, wrap: Wrap, full: usize| {
         let size = (full >> level).max(1);
@@ -104,16 +104,26 @@ fn sample_uncached(
         shares
     };
     let columns = side(uv.x, texture.sampler.wrap_u, image.width as usize);
+    let rows = side(uv.y, texture.sampler.wrap_v, image.height as usize);
+    let texels = image.rgba8.as_chunks::<4>().0;
+    weighted_sum(&columns, &rows, |column, row| linear_texel(table, texels[row * image.width as usize + column]))
+}
+
+/// Returns the sum of texels by the weights of their columns and rows.
+fn weighted_sum(columns: &[(usize, f64)], rows: &[(usize, f64)], texel: impl Fn(usize, usize) -> DVec4) -> DVec4 {
     let mut sum = DVec4::ZERO;
-    for (row, row_share) in side(uv.y, texture.sampler.wrap_v, image.height as usize) {
-        for &(column, column_share) in &columns {
-            let at = 4 * (row * image.width as usize + column);
-            let [r, g, b, a] = [0, 1, 2, 3].map(|channel| image.rgba8[at + channel]);
-            let [r, g, b] = [r, g, b].map(|byte| table[usize::from(byte)]);
-            sum += DVec4::new(r, g, b, f64::from(a) / 255.0) * (row_share * column_share);
+    for &(row, row_share) in rows {
+        for &(column, column_share) in columns {
+            sum += texel(column, row) * (row_share * column_share);
         }
     }
     sum
+}
+
+/// Decodes a texel by the values of the bytes of its colors.
+fn linear_texel(table: &[f64], [r, g, b, a]: [u8; 4]) -> DVec4 {
+    let [r, g, b] = [r, g, b].map(|byte| table[usize::from(byte)]);
+    DVec4::new(r, g, b, f64::from(a) / 255.0)
 }
 
 /// Returns the full-size texels along a side that a texel of a level averages, with the weight of each. The
@@ -144,8 +154,7 @@ fn nearest(level: &Level, texture: TextureRef, uv: DVec2) -> DVec4 {
 fn bilinear(level: &Level, texture: TextureRef, uv: DVec2) -> DVec4 {
     let at = uv * DVec2::new(level.width as f64, level.height as f64) - 0.5;
     let (first, share) = (at.floor(), at - at.floor());
-    let row =
-        |y: f64| texel(level, texture, first.x, y).lerp(texel(level, texture, first.x + 1.0, y), share.x);
+    let row = |y: f64| texel(level, texture, first.x, y).lerp(texel(level, texture, first.x + 1.0, y), share.x);
     row(first.y).lerp(row(first.y + 1.0), share.y)
 }
 
@@ -171,12 +180,8 @@ fn decoded(srgb: bool) -> Vec<f64> {
 /// Returns all levels from the full size down to one texel. Each is the area average of the one before.
 fn mips(image: &Image, srgb: bool) -> Vec<Level> {
     let table = decoded(srgb);
-    let texels = image.rgba8.as_chunks::<4>().0.iter().map(|&[r, g, b, a]| {
-        let [r, g, b] = [r, g, b].map(|byte| table[byte as usize]);
-        DVec4::new(r, g, b, f64::from(a) / 255.0)
-    });
-    let first =
-        Level { width: image.width as usize, height: image.height as usize, texels: texels.collect() };
+    let texels = image.rgba8.as_chunks::<4>().0.iter().map(|&rgba| linear_texel(&table, rgba));
+    let first = Level { width: image.width as usize, height: image.height as usize, texels: texels.collect() };
     let next = |level: &Level| (level.width > 1 || level.height > 1).then(|| halved(level));
     std::iter::successors(Some(first), next).collect()
 }
@@ -188,13 +193,7 @@ fn halved(level: &Level) -> Level {
     for y in 0..height {
         for x in 0..width {
             let (columns, rows) = (covered(x, level.width, width), covered(y, level.height, height));
-            let mut sum = DVec4::ZERO;
-            for &(row, row_share) in &rows {
-                for &(column, column_share) in &columns {
-                    sum += level.texels[row * level.width + column] * (row_share * column_share);
-                }
-            }
-            texels.push(sum);
+            texels.push(weighted_sum(&columns, &rows, |column, row| level.texels[row * level.width + column]));
         }
     }
     Level { width, height, texels }

@@ -1,8 +1,4 @@
 //! Alpha tests of triangles, like `alpha_test.wgsl`: textures are sampled at full size, bilinearly.
-#![expect(
-    clippy::inline_always,
-    reason = "what is not inlined is compiled without the vectors that the caller has"
-)]
 
 #[cfg(test)]
 impl AlphaTest {

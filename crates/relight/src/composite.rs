@@ -2,12 +2,11 @@
 
 use rayon::prelude::*;
 
-use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, LANES, U32s, Vec3s};
-use crate::layer::{LayerTarget, LightLayer, RelitLight, draw_light};
+use crate::layer::{DrawnLight, LayerTarget, LightLayer, draw_light};
 use crate::screen::{BLACK, BYTES_PER_PIXEL, Exposure, tone_mapped_rgba8};
 use crate::simd::{self, SimdTask};
-use crate::surfaces::{BLOCK_SIDE, PixelBlock};
+use crate::surfaces::BLOCK_SIDE;
 use crate::{Cancelled, CasterScene, Surfaces, Workers};
 
 /// Number of blocks that a worker adds up at once.
@@ -72,24 +71,23 @@ impl LayerTerms<'_> {
 pub fn sum(workers: &Workers, surfaces: &Surfaces, terms: LayerTerms, LayerSum(into): &mut LayerSum) {
     into.resize(surfaces.block_count(), Vec3s::splat([0.0; 3]));
     workers.run(|| {
-        into.par_chunks_mut(BLOCKS_PER_CHUNK).enumerate().for_each(|(turn, into)| {
-            simd::run(AddTerms { terms, first: turn * BLOCKS_PER_CHUNK, into });
+        into.par_chunks_mut(BLOCKS_PER_CHUNK).enumerate().for_each(|(chunk, into)| {
+            simd::run(AddTerms { terms, first: chunk * BLOCKS_PER_CHUNK, into });
         });
     });
 }
 
-/// Adds the contribution of `light` within `pixels`, `[x, y, width, height]`, to `into`, with factors of its diffuse
-/// and specular part. The result is bit-identical to drawing its layer and adding that as the last term. `into` is of
-/// the same surfaces.
+/// Adds the contribution of `light` to `into`, with factors of its diffuse and specular part. The result is
+/// bit-identical to drawing its layer and adding that as the last term. `into` is of the same surfaces.
 pub fn add_light(
     workers: &Workers,
     surfaces: &Surfaces,
     scene: &CasterScene,
-    light: (&RelitLight, Option<&DepthMap>),
-    (pixels, factors): ([u32; 4], [[f32; 3]; 2]),
+    light: DrawnLight,
+    factors: [[f32; 3]; 2],
     LayerSum(into): &mut LayerSum,
 ) -> Result<u64, Cancelled> {
-    draw_light(workers, surfaces, scene, light, pixels, LayerTarget::Sum(into, factors))
+    draw_light(workers, surfaces, scene, light, LayerTarget::Sum(into, factors))
 }
 
 struct AddTerms<'a> {
@@ -117,7 +115,8 @@ pub fn add_sample(
     workers: &Workers,
     surfaces: &Surfaces,
     terms: LayerTerms,
-    (fill_factor, weight): (f32, f32),
+    fill_factor: f32,
+    weight: f32,
     radiance: &mut [[f32; 4]],
 ) {
     let width = surfaces.size()[0] as usize;
@@ -148,7 +147,9 @@ impl SimdTask for AddSample<'_> {
             let radiance = total_radiance(surfaces, &terms, fill_factor, index) * F32s::splat(weight);
             let block = &surfaces.blocks[index];
             for i in 0..LANES {
-                if let Some([r, g, b, alpha]) = pixel_index(block, i, width).and_then(|at| pixels.get_mut(at))
+                let at = i / BLOCK_SIDE * width + block.corner[0] as usize + i % BLOCK_SIDE;
+                if block.triangle.0[i] != 0
+                    && let Some([r, g, b, alpha]) = pixels.get_mut(at)
                 {
                     *r += radiance.x.0[i];
                     *g += radiance.y.0[i];
@@ -166,21 +167,14 @@ fn total_radiance(surfaces: &Surfaces, terms: &LayerTerms, fill_factor: f32, blo
     surfaces.fill[block] * F32s::splat(fill_factor) + terms.sum_on(block)
 }
 
-/// Returns the index of a pixel, the lane `lane` of a block, in the block's four rows of the picture. `None` if the
-/// pixel shows no surface.
-#[inline(always)]
-fn pixel_index(block: &PixelBlock, lane: usize, width: usize) -> Option<usize> {
-    let x = block.corner[0] as usize + lane % BLOCK_SIDE;
-    (block.triangle.0[lane] != 0).then_some(lane / BLOCK_SIDE * width + x)
-}
-
 /// Renders `terms` and `fill_factor` times the fill for a screen: exposed, tone-mapped, sRGB, RGBA of 8 bits a channel,
 /// rows from the top.
 pub fn display(
     workers: &Workers,
     surfaces: &Surfaces,
     terms: LayerTerms,
-    (fill_factor, exposure): (f32, Exposure),
+    fill_factor: f32,
+    exposure: Exposure,
 ) -> Vec<u8> {
     let [width, height] = surfaces.size().map(|side| side as usize);
     let mut bytes = vec![0; BYTES_PER_PIXEL * width * height];

@@ -55,7 +55,7 @@ pub(crate) fn exp2(x: F32s) -> F32s {
     for i in 0..LANES {
         power.0[i] = shifted.0[i].to_bits().wrapping_sub(0x4b40_0000 - 127) << 23;
     }
-    let result = series * F32s::from_bits(power);
+    let result = series * power.to_floats();
     F32s::select(x.lt(F32s::splat(-126.0)), F32s::splat(0.0), result)
 }
 
@@ -67,16 +67,9 @@ pub(crate) fn atan2(y: F32s, x: F32s) -> F32s {
     let ratio = across.least(along) / across.most(along).most(F32s::splat(1e-37));
     let z = ratio * ratio;
     let mut p = F32s::splat(0.002_849_887);
-    for factor in [
-        -0.016_068_615,
-        0.042_691_49,
-        -0.075_042_92,
-        0.106_409_32,
-        -0.142_036_44,
-        0.199_926_2,
-        -0.333_330_73,
-        1.0,
-    ] {
+    for factor in
+        [-0.016_068_615, 0.042_691_49, -0.075_042_92, 0.106_409_32, -0.142_036_44, 0.199_926_2, -0.333_330_73, 1.0]
+    {
         p = p * z + F32s::splat(factor);
     }
     let mut angle = ratio * p;

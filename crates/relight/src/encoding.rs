@@ -24,8 +24,7 @@ pub(crate) fn unit_from_bits(bits: U32s) -> Vec3s {
 /// Decodes linear base color, metallic factor and roughness from 64 bits.
 #[inline(always)]
 pub(crate) fn material_from_bits([low, high]: [U32s; 2]) -> (Vec3s, F32s, F32s) {
-    let (mut roots, mut metallic, mut roughness) =
-        (Vec3s::splat([0.0; 3]), F32s::splat(0.0), F32s::splat(0.0));
+    let (mut roots, mut metallic, mut roughness) = (Vec3s::splat([0.0; 3]), F32s::splat(0.0), F32s::splat(0.0));
     for i in 0..LANES {
         let (low, high) = (low.0[i], high.0[i]);
         roots.x.0[i] = (low & 0x1fff).cast_signed() as f32 * (1.0 / 8191.0);

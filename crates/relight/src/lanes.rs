@@ -32,16 +32,17 @@ pub struct Vec3s {
 #[repr(align(64))]
 pub struct Masks(pub [u32; LANES]);
 
-/// Implements a binary operator lane by lane.
-macro_rules! binary {
-    ($trait:ident, $name:ident, $lanes:ident, $op:tt) => {
-        impl $trait for $lanes {
+/// Implements an operator on two lanes of the same type.
+macro_rules! operator {
+    ($type:ident, $trait:ident, $name:ident, $a:ident, $b:ident, $lane:expr) => {
+        impl $trait for $type {
             type Output = Self;
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
-                let mut out = self;
+                let mut out = Self::ZERO;
                 for i in 0..LANES {
-                    out.0[i] = self.0[i] $op other.0[i];
+                    let ($a, $b) = (self.0[i], other.0[i]);
+                    out.0[i] = $lane;
                 }
                 out
             }
@@ -49,61 +50,53 @@ macro_rules! binary {
     };
 }
 
-binary!(Add, add, F32s, +);
-binary!(Sub, sub, F32s, -);
-binary!(Mul, mul, F32s, *);
-binary!(Div, div, F32s, /);
-binary!(BitAnd, bitand, Masks, &);
-binary!(BitOr, bitor, Masks, |);
-binary!(BitAnd, bitand, U32s, &);
-binary!(BitOr, bitor, U32s, |);
-
-/// Implements a wrapping integer operator lane by lane.
-macro_rules! wrapping {
-    ($trait:ident, $name:ident, $op:ident) => {
-        impl $trait for U32s {
-            type Output = Self;
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                let mut out = self;
-                for i in 0..LANES {
-                    out.0[i] = self.0[i].$op(other.0[i]);
-                }
-                out
+/// Defines functions of lanes: `fn name(a, b: Type, ...) -> Type = expression for one lane of each`, where `a` is
+/// `self`.
+macro_rules! lanewise {
+    ($(
+        $(#[$doc:meta])*
+        $vis:vis fn $name:ident($first:ident $(, $other:ident: $type:ty)*) -> $out:ident = $lane:expr;
+    )*) => {$(
+        $(#[$doc])*
+        #[inline(always)]
+        $vis fn $name(self $(, $other: $type)*) -> $out {
+            let mut out = $out::ZERO;
+            for i in 0..LANES {
+                let $first = self.0[i];
+                $(let $other = $other.0[i];)*
+                out.0[i] = $lane;
             }
+            out
         }
-    };
+    )*};
 }
 
-wrapping!(Add, add, wrapping_add);
-wrapping!(Sub, sub, wrapping_sub);
-wrapping!(Mul, mul, wrapping_mul);
+pub(crate) use {lanewise, operator};
+
+operator!(F32s, Add, add, a, b, a + b);
+operator!(F32s, Sub, sub, a, b, a - b);
+operator!(F32s, Mul, mul, a, b, a * b);
+operator!(F32s, Div, div, a, b, a / b);
+operator!(Masks, BitAnd, bitand, a, b, a & b);
+operator!(Masks, BitOr, bitor, a, b, a | b);
+operator!(U32s, BitAnd, bitand, a, b, a & b);
+operator!(U32s, BitOr, bitor, a, b, a | b);
+operator!(U32s, Add, add, a, b, a.wrapping_add(b));
+operator!(U32s, Mul, mul, a, b, a.wrapping_mul(b));
 
 impl Neg for F32s {
     type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = -self.0[i];
-        }
-        out
-    }
+    lanewise! { fn neg(x) -> Self = -x; }
 }
 
 impl Not for Masks {
     type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = !self.0[i];
-        }
-        out
-    }
+    lanewise! { fn not(x) -> Self = !x; }
 }
 
 impl Masks {
+    pub const ZERO: Self = Self([0; LANES]);
+
     /// Returns the value of one lane.
     #[inline(always)]
     pub fn lane(self, lane: usize) -> bool {
@@ -112,64 +105,40 @@ impl Masks {
 }
 
 impl F32s {
+    pub const ZERO: Self = Self([0.0; LANES]);
+
     /// Puts the same number into every lane.
     #[inline(always)]
     pub fn splat(x: f32) -> Self {
         Self([x; LANES])
     }
-    /// Rounds down, for values that fit into 31 bits.
-    #[inline(always)]
-    pub fn floor(self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].floor();
-        }
-        out
-    }
-    /// Rounds values from 0 to 2^22 to the nearest integers, ties to even. A cast handles every number and does not
-    /// vectorize.
-    #[inline(always)]
-    pub fn to_u32(self) -> U32s {
-        let mut out = U32s([0; LANES]);
-        for i in 0..LANES {
-            // From 2^23 on the last bit of a float is 1.
-            out.0[i] = (self.0[i] + 8_388_608.0).to_bits().wrapping_sub(0x4b00_0000);
-        }
-        out
-    }
-    #[inline(always)]
-    pub fn to_bits(self) -> U32s {
-        let mut out = U32s([0; LANES]);
-        for i in 0..LANES {
-            out.0[i] = self.0[i].to_bits();
-        }
-        out
-    }
-    #[inline(always)]
-    pub fn from_bits(bits: U32s) -> Self {
-        let mut out = Self([0.0; LANES]);
-        for i in 0..LANES {
-            out.0[i] = f32::from_bits(bits.0[i]);
-        }
-        out
+
+    lanewise! {
+        /// Rounds down, for values that fit into 31 bits.
+        pub fn floor(x) -> Self = x.floor();
+        /// Rounds values from 0 to 2^22 to the nearest integers, ties to even. A cast handles every number and does not
+        /// vectorize. From 2^23 on the last bit of a float is 1.
+        pub fn to_u32(x) -> U32s = (x + 8_388_608.0).to_bits().wrapping_sub(0x4b00_0000);
+        pub fn to_bits(x) -> U32s = x.to_bits();
     }
 }
 
 impl U32s {
+    pub const ZERO: Self = Self([0; LANES]);
+
     /// Puts the same number into every lane.
     #[inline(always)]
     pub fn splat(x: u32) -> Self {
         Self([x; LANES])
     }
-    /// Returns the lanes with equal numbers.
-    #[inline(always)]
-    pub fn equals(self, other: Self) -> Masks {
-        let mut out = Masks([0; LANES]);
-        for i in 0..LANES {
-            out.0[i] = if self.0[i] == other.0[i] { u32::MAX } else { 0 };
-        }
-        out
+
+    lanewise! {
+        /// Returns the floats with these bits.
+        pub fn to_floats(bits) -> F32s = f32::from_bits(bits);
+        /// Returns the lanes with equal numbers.
+        pub fn equals(x, other: Self) -> Masks = if x == other { u32::MAX } else { 0 };
     }
+
     /// Selects `yes` in the lanes of `mask`, else `no`.
     #[inline(always)]
     pub fn select(mask: Masks, yes: Self, no: Self) -> Self {
@@ -194,37 +163,24 @@ impl Vec3s {
     }
 }
 
-impl Add for Vec3s {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
-    }
+/// Implements an operator of vectors with `other`.
+macro_rules! vector_operator {
+    ($trait:ident, $name:ident, $type:ident, $a:ident, $other:ident, $vector:expr) => {
+        impl $trait<$type> for Vec3s {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, $other: $type) -> Self {
+                let $a = self;
+                $vector
+            }
+        }
+    };
 }
 
-impl Sub for Vec3s {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
-    }
-}
-
-impl Mul<F32s> for Vec3s {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, by: F32s) -> Self {
-        Self { x: self.x * by, y: self.y * by, z: self.z * by }
-    }
-}
-
-impl Mul for Vec3s {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, by: Self) -> Self {
-        Self { x: self.x * by.x, y: self.y * by.y, z: self.z * by.z }
-    }
-}
+vector_operator!(Add, add, Self, a, b, Self { x: a.x + b.x, y: a.y + b.y, z: a.z + b.z });
+vector_operator!(Sub, sub, Self, a, b, Self { x: a.x - b.x, y: a.y - b.y, z: a.z - b.z });
+vector_operator!(Mul, mul, Self, a, b, Self { x: a.x * b.x, y: a.y * b.y, z: a.z * b.z });
+vector_operator!(Mul, mul, F32s, a, by, Self { x: a.x * by, y: a.y * by, z: a.z * by });
 
 impl Neg for Vec3s {
     type Output = Self;

@@ -7,7 +7,7 @@ use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, LANES, Masks, Vec3s};
 use crate::shape::{LightSampleLanes, RelitShape};
 use crate::simd::{self, SimdTask};
-use crate::surfaces::{BLOCK_SIDE, PixelBlock, SurfaceLanes};
+use crate::surfaces::{BLOCK_SIDE, PixelBlock, SurfaceLanes, surface_of};
 use crate::{Cancelled, CasterScene, RelitBent, RelitDirectional, RelitOmni, RelitSpot, Surfaces, Workers};
 use light::{Lanes, LightProfile, Mask};
 
@@ -24,6 +24,16 @@ pub enum RelitLight {
     Spot(Box<RelitSpot>),
     Omni(Box<RelitOmni>),
     Directional(Box<RelitDirectional>),
+}
+
+/// Light to draw.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnLight<'a> {
+    pub light: &'a RelitLight,
+    /// Shadow map of the light, `None` for a light without shadows.
+    pub map: Option<&'a DepthMap>,
+    /// Pixels that are drawn, `[x, y, width, height]`.
+    pub pixels: [u32; 4],
 }
 
 /// Diffuse and specular radiance of one light, for each block of surfaces. It is linear, and is not yet multiplied by
@@ -63,13 +73,6 @@ pub(crate) enum LayerTarget<'a> {
     Visibility(&'a mut [LayerBlock]),
 }
 
-/// Quantity of a light that is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Quantity {
-    Reflected,
-    Visibility,
-}
-
 impl LightLayer {
     /// Computes the size in bytes of a layer of so many blocks of surfaces.
     pub fn bytes(block_count: usize) -> u64 {
@@ -77,18 +80,17 @@ impl LightLayer {
     }
 }
 
-/// Draws the layer of `light` within `pixels`, `[x, y, width, height]`, and clears it elsewhere. `map` is its shadow
-/// map, `None` for a light without shadows. Returns the number of pixels that it examined.
+/// Draws the layer of `light` within its pixels, and clears it elsewhere. Returns the number of pixels that it
+/// examined.
 pub fn draw_layer(
     workers: &Workers,
     surfaces: &Surfaces,
     scene: &CasterScene,
-    (light, map): (&RelitLight, Option<&DepthMap>),
-    pixels: [u32; 4],
+    light: DrawnLight,
     LightLayer(texels): &mut LightLayer,
 ) -> Result<u64, Cancelled> {
     workers.resize(texels, surfaces.blocks.len(), LayerBlock::NOTHING)?;
-    draw_light(workers, surfaces, scene, (light, map), pixels, LayerTarget::Layer(texels))
+    draw_light(workers, surfaces, scene, light, LayerTarget::Layer(texels))
 }
 
 /// Computes the share of `light` that no caster blocks, 1 for all of it, as in [`draw_layer`]: gray, with alpha 1 where
@@ -97,17 +99,15 @@ pub fn visibility_of(
     workers: &Workers,
     surfaces: &Surfaces,
     scene: &CasterScene,
-    light: (&RelitLight, Option<&DepthMap>),
-    pixels: [u32; 4],
+    light: DrawnLight,
 ) -> Result<Vec<[f32; 4]>, Cancelled> {
     let mut texels = vec![LayerBlock::NOTHING; surfaces.blocks.len()];
-    draw_light(workers, surfaces, scene, light, pixels, LayerTarget::Visibility(&mut texels))?;
+    draw_light(workers, surfaces, scene, light, LayerTarget::Visibility(&mut texels))?;
     let [width, height] = surfaces.size().map(|side| side as usize);
     let mut picture = vec![[0.0; 4]; width * height];
     for (block, texel) in surfaces.blocks.iter().zip(&texels) {
         for i in 0..LANES {
-            let (x, y) =
-                (block.corner[0] as usize + i % BLOCK_SIDE, block.corner[1] as usize + i / BLOCK_SIDE);
+            let (x, y) = (block.corner[0] as usize + i % BLOCK_SIDE, block.corner[1] as usize + i / BLOCK_SIDE);
             if x < width && y < height {
                 let (visible, inside) = (texel.diffuse.x.0[i], texel.specular.x.0[i]);
                 picture[y * width + x] = [visible, visible, visible, inside];
@@ -122,15 +122,14 @@ pub(crate) fn draw_light(
     workers: &Workers,
     surfaces: &Surfaces,
     scene: &CasterScene,
-    (light, map): (&RelitLight, Option<&DepthMap>),
-    pixels: [u32; 4],
+    drawn: DrawnLight,
     onto: LayerTarget,
 ) -> Result<u64, Cancelled> {
-    match light {
-        RelitLight::Bent(bent) => draw(workers, surfaces, scene, (&**bent, map), pixels, onto),
-        RelitLight::Spot(spot) => draw(workers, surfaces, scene, (&**spot, map), pixels, onto),
-        RelitLight::Omni(omni) => draw(workers, surfaces, scene, (&**omni, map), pixels, onto),
-        RelitLight::Directional(sun) => draw(workers, surfaces, scene, (&**sun, map), pixels, onto),
+    match drawn.light {
+        RelitLight::Bent(bent) => draw(workers, surfaces, scene, &**bent, drawn, onto),
+        RelitLight::Spot(spot) => draw(workers, surfaces, scene, &**spot, drawn, onto),
+        RelitLight::Omni(omni) => draw(workers, surfaces, scene, &**omni, drawn, onto),
+        RelitLight::Directional(sun) => draw(workers, surfaces, scene, &**sun, drawn, onto),
     }
 }
 
@@ -138,40 +137,37 @@ fn draw<S: RelitShape>(
     workers: &Workers,
     surfaces: &Surfaces,
     scene: &CasterScene,
-    (shape, map): (&S, Option<&DepthMap>),
-    pixels: [u32; 4],
+    shape: &S,
+    DrawnLight { map, pixels, .. }: DrawnLight,
     onto: LayerTarget,
 ) -> Result<u64, Cancelled> {
-    let of =
-        if matches!(onto, LayerTarget::Visibility(_)) { Quantity::Visibility } else { Quantity::Reflected };
-    let looked_at = AtomicU64::new(0);
-    let turn = |blocks: &[PixelBlock], texels: &mut [LayerBlock]| {
-        let pixels =
-            simd::run(DrawChunk { shape, surfaces, scene, map, pixels, quantity: of, blocks, texels });
-        looked_at.fetch_add(pixels, Ordering::Relaxed);
+    let shows_visibility = matches!(onto, LayerTarget::Visibility(_));
+    let examined = AtomicU64::new(0);
+    let draw_chunk = |blocks: &[PixelBlock], texels: &mut [LayerBlock]| {
+        let pixels = simd::run(DrawChunk { shape, surfaces, scene, map, pixels, shows_visibility, blocks, texels });
+        examined.fetch_add(pixels, Ordering::Relaxed);
     };
     // Some chunks cost twenty times as much as others.
     match onto {
         LayerTarget::Layer(texels) | LayerTarget::Visibility(texels) => {
-            let turns = texels.chunks_mut(BLOCKS_PER_CHUNK).zip(surfaces.blocks.chunks(BLOCKS_PER_CHUNK));
-            workers.each(turns, |(texels, blocks)| {
-                turn(blocks, texels);
+            let chunks = texels.chunks_mut(BLOCKS_PER_CHUNK).zip(surfaces.blocks.chunks(BLOCKS_PER_CHUNK));
+            workers.each(chunks, |(texels, blocks)| {
+                draw_chunk(blocks, texels);
                 true
             })?;
         }
         LayerTarget::Sum(sums, factors) => {
-            let turns =
-                sums.chunks_mut(SUM_BLOCKS_PER_CHUNK).zip(surfaces.blocks.chunks(SUM_BLOCKS_PER_CHUNK));
-            workers.each(turns, |(sums, blocks)| {
+            let chunks = sums.chunks_mut(SUM_BLOCKS_PER_CHUNK).zip(surfaces.blocks.chunks(SUM_BLOCKS_PER_CHUNK));
+            workers.each(chunks, |(sums, blocks)| {
                 let mut texels = [LayerBlock::NOTHING; SUM_BLOCKS_PER_CHUNK];
                 let texels = &mut texels[..blocks.len()];
-                turn(blocks, texels);
+                draw_chunk(blocks, texels);
                 simd::run(AddBlocks { texels, factors, sums });
                 true
             })?;
         }
     }
-    Ok(looked_at.into_inner())
+    Ok(examined.into_inner())
 }
 
 struct AddBlocks<'a> {
@@ -197,7 +193,7 @@ struct DrawChunk<'a, S> {
     scene: &'a CasterScene<'a>,
     map: Option<&'a DepthMap>,
     pixels: [u32; 4],
-    quantity: Quantity,
+    shows_visibility: bool,
     blocks: &'a [PixelBlock],
     texels: &'a mut [LayerBlock],
 }
@@ -207,28 +203,29 @@ impl<S: RelitShape> SimdTask for DrawChunk<'_, S> {
 
     #[inline(always)]
     fn run(self) -> u64 {
-        let Self { shape, surfaces, scene, map, pixels, quantity: of, blocks, texels } = self;
-        let mut looked_at = 0;
+        let Self { shape, surfaces, scene, map, pixels, shows_visibility, blocks, texels } = self;
+        let mut examined = 0;
         for (block, texel) in blocks.iter().zip(texels) {
             *texel = LayerBlock::NOTHING;
             if !touches(block.corner, pixels) {
                 continue;
             }
-            looked_at += LANES as u64;
-            let surface = surfaces.surface(block);
-            let mut asked = surface.exists;
+            examined += LANES as u64;
+            let surface = surface_of(&surfaces.camera, block);
+            let mut active = surface.exists;
             if scene.links.bits.is_some() {
-                asked = asked & light_linked(scene, &surface);
+                active = active & light_linked(scene, &surface);
             }
-            let sample = shape.sample(scene, map, &surface, asked);
+            let sample = shape.sample(scene, map, &surface, active);
             if sample.inside.any() {
-                *texel = match of {
-                    Quantity::Reflected => reflection(shape.light_profile(), &surface, &sample),
-                    Quantity::Visibility => visibility(&sample),
+                *texel = if shows_visibility {
+                    visibility(&sample)
+                } else {
+                    reflection(shape.light_profile(), &surface, &sample)
                 };
             }
         }
-        looked_at
+        examined
     }
 }
 
@@ -242,7 +239,7 @@ fn touches(corner: [u16; 2], [x, y, width, height]: [u32; 4]) -> bool {
 /// Returns the lanes whose surfaces the light's links let it illuminate.
 #[inline(always)]
 fn light_linked(scene: &CasterScene, surface: &SurfaceLanes) -> Masks {
-    let mut lit = Masks::of(false);
+    let mut lit = Masks::ZERO;
     for i in 0..LANES {
         let triangle = surface.triangle.0[i];
         if triangle != 0 && scene.links.is_light_linked(triangle - 1) {
@@ -257,18 +254,14 @@ fn visibility(sample: &LightSampleLanes) -> LayerBlock {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
     let visible = F32s::select(sample.inside, sample.visibility, zero);
     let inside = F32s::select(sample.inside, one, zero);
-    LayerBlock {
-        diffuse: F32s::vec3([visible, visible, visible]),
-        specular: F32s::vec3([inside, inside, inside]),
-    }
+    LayerBlock { diffuse: F32s::vec3([visible, visible, visible]), specular: F32s::vec3([inside, inside, inside]) }
 }
 
 #[inline(always)]
-fn reflection(filter: &LightProfile, surface: &SurfaceLanes, sample: &LightSampleLanes) -> LayerBlock {
-    let shadow = Vec3s::splat(filter.shadow_color.min(glam::DVec3::splat(1e30)).as_vec3().to_array());
+fn reflection(profile: &LightProfile, surface: &SurfaceLanes, sample: &LightSampleLanes) -> LayerBlock {
+    let shadow = Vec3s::splat(profile.shadow_color.min(glam::DVec3::splat(1e30)).as_vec3().to_array());
     let white = Vec3s::splat([1.0; 3]);
-    let arriving =
-        sample.irradiance * (shadow * (F32s::splat(1.0) - sample.visibility) + white * sample.visibility);
+    let arriving = sample.irradiance * (shadow * (F32s::splat(1.0) - sample.visibility) + white * sample.visibility);
     let lobes = evaluate_brdf(surface, sample.direction);
     let nothing = Vec3s::splat([0.0; 3]);
     LayerBlock {

@@ -8,10 +8,7 @@
 //! Begin with `raster.rs` (shadow maps from triangles), `layer.rs` (contribution of a light), `bent/mod.rs`
 //! (BendyLights) and `straight/mod.rs` (other shapes).
 #![forbid(unsafe_code)]
-#![expect(
-    clippy::inline_always,
-    reason = "vectors are only made of what is inlined where the processor was chosen"
-)]
+#![expect(clippy::inline_always, reason = "vectors are only made of what is inlined where the processor was chosen")]
 
 mod alpha_test;
 mod bent;
@@ -33,23 +30,22 @@ mod simd;
 mod sixteen;
 mod straight;
 mod surfaces;
+mod transform;
 mod visibility;
 mod workers;
 
 pub use alpha_test::{AlphaTest, AlphaTests, TexelWrap};
-pub use bent::{
-    BentCasters, BentFace, BentMap, BentMapBuilder, BentMapParams, MapSlab, RelitBent, TubeSpace,
-};
+pub use bent::{BentCasters, BentFace, BentMap, BentMapBuilder, BentMapParams, MapSlab, RelitBent, TubeSpace};
 pub use composite::{LayerSum, LayerTerm, LayerTerms, add_light, add_sample, display, sum};
 pub use depth_map::DepthMap;
-pub use layer::{LightLayer, RelitLight, draw_layer, visibility_of};
+pub use layer::{DrawnLight, LightLayer, RelitLight, draw_layer, visibility_of};
 pub use scene::{CasterHierarchy, CasterHierarchyNode, CasterLinks, CasterScene};
 pub use screen::{Exposure, display_radiance};
 pub use shadow_filter::ShadowFilter;
 pub use sixteen::{SolverBatch, solve_batch};
 pub use straight::{
-    AlphaTestedCasters, AlphaTestedRun, DirectionalMapParams, OmniMapParams, RelitDirectional, RelitOmni,
-    RelitSpot, SpotMapParams, StraightFace, StraightMap, StraightMapBuilder,
+    AlphaTestedCasters, AlphaTestedRun, DirectionalMapParams, OmniMapParams, OpaqueCasters, RelitDirectional,
+    RelitOmni, RelitSpot, SpotMapParams, StraightFace, StraightMap, StraightMapBuilder,
 };
 pub use surfaces::{CameraRays, FillColors, GbufferRows, Surfaces};
 pub use workers::{Cancelled, Workers, YieldPolicy};

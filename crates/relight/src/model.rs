@@ -4,7 +4,7 @@ use glam::DVec3;
 use light::{Lanes, Mask};
 
 use crate::elementary;
-use crate::lanes::{F32s, LANES, Masks, Vec3s};
+use crate::lanes::{F32s, LANES, Masks, Vec3s, lanewise};
 
 impl Mask for Masks {
     #[inline(always)]
@@ -33,29 +33,20 @@ impl Mask for Masks {
     }
 }
 
-/// Implements a comparison lane by lane.
-macro_rules! compare {
-    ($name:ident, $op:tt) => {
-        #[inline(always)]
-        fn $name(self, other: Self) -> Masks {
-            let mut out = Masks([0; LANES]);
-            for i in 0..LANES {
-                out.0[i] = if self.0[i] $op other.0[i] { u32::MAX } else { 0 };
-            }
-            out
-        }
-    };
-}
-
 impl Lanes for F32s {
     type Vec3 = Vec3s;
     type Mask = Masks;
     const NEWTON_STEPS: usize = <f32 as Lanes>::NEWTON_STEPS;
     const DIRECTION_FLOOR: Self = Self([<f32 as Lanes>::DIRECTION_FLOOR; LANES]);
 
-    compare!(lt, <);
-    compare!(le, <=);
-    compare!(equals, ==);
+    lanewise! {
+        fn lt(x, other: Self) -> Masks = if x < other { u32::MAX } else { 0 };
+        fn le(x, other: Self) -> Masks = if x <= other { u32::MAX } else { 0 };
+        fn equals(x, other: Self) -> Masks = if x == other { u32::MAX } else { 0 };
+        fn sqrt(x) -> Self = x.sqrt();
+        fn abs(x) -> Self = x.abs();
+        fn cbrt_above(x) -> Self = x.cbrt_above();
+    }
 
     #[inline(always)]
     fn of(x: f64) -> Self {
@@ -80,30 +71,6 @@ impl Lanes for F32s {
     #[inline(always)]
     fn cross(a: Vec3s, b: Vec3s) -> Vec3s {
         Vec3s { x: a.y * b.z - b.y * a.z, y: a.z * b.x - b.z * a.x, z: a.x * b.y - b.x * a.y }
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].sqrt();
-        }
-        out
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].abs();
-        }
-        out
-    }
-    #[inline(always)]
-    fn cbrt_above(self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].cbrt_above();
-        }
-        out
     }
     #[inline(always)]
     fn pow(self, exponent: f64) -> Self {

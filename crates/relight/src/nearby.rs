@@ -55,26 +55,26 @@ pub(crate) fn crosses_own_triangle(scene: &CasterScene, surface: &ReceiverPoint,
     weights.min_element() >= 0.0 && !scene.has_hole(surface.triangle, weights)
 }
 
-/// True if a caster other than the triangle `own` lies between `start` and `start + way`. A triangle that `start` lies
+/// True if a caster other than the triangle `own` lies between `start` and `start + span`. A triangle that `start` lies
 /// on, within rounding, does not count. `depth` is the distance of the surface from the viewer, which the rounding
 /// error of its position grows with.
 pub(crate) fn is_segment_occluded(
     scene: &CasterScene,
-    (start, way): (Vec3, Vec3),
+    (start, span): (Vec3, Vec3),
     own: Option<u32>,
     depth: f32,
 ) -> bool {
-    let end = start + way;
+    let end = start + span;
     let slack = rounding_error(start) + depth * (1.0 / 2_097_152.0);
-    let segment = (start + 0.5 * way, 0.5 * way, slack + rounding_error(end));
+    let (half, box_slack) = (0.5 * span, slack + rounding_error(end));
     let mut index = 0;
     while let Some(node) = scene.hierarchy.nodes.get(index) {
         let is_leaf = node.triangle_count > 0;
-        let passed_by = misses_box(node, segment);
+        let passed_by = misses_box(node, start + half, half, box_slack);
         if is_leaf && !passed_by {
             let of_leaf = node.next as usize..(node.next + node.triangle_count) as usize;
             for &triangle in &scene.hierarchy.triangles[of_leaf] {
-                if Some(triangle) != own && segment_hits_triangle(scene, triangle, (start, way), slack) {
+                if Some(triangle) != own && segment_hits_triangle(scene, triangle, (start, span), slack) {
                     return true;
                 }
             }
@@ -87,7 +87,7 @@ pub(crate) fn is_segment_occluded(
 /// True if no point of a segment lies within `slack` of a node's box. The test uses axes that may separate the two:
 /// those of the box, and their cross products with the segment (Ericson, Real-Time Collision Detection, 5.3.3). The
 /// segment is `middle` plus up to `half` in both directions.
-fn misses_box(node: &CasterHierarchyNode, (middle, half, slack): (Vec3, Vec3, f32)) -> bool {
+fn misses_box(node: &CasterHierarchyNode, middle: Vec3, half: Vec3, slack: f32) -> bool {
     let (min, max) = (Vec3::from(node.min), Vec3::from(node.max));
     let between = 0.5 * (min + max) - middle;
     let box_half = (0.5 + 4.0 * f32::EPSILON) * (max - min) + slack;
@@ -96,15 +96,15 @@ fn misses_box(node: &CasterHierarchyNode, (middle, half, slack): (Vec3, Vec3, f3
     between.abs().cmpgt(box_half + reach).any() || half.cross(between).abs().cmpgt(across).any()
 }
 
-/// True if the segment from `start` to `start + way` crosses a triangle that casts shadows. A triangle within `slack`
+/// True if the segment from `start` to `start + span` crosses a triangle that casts shadows. A triangle within `slack`
 /// of `start` does not count.
-fn segment_hits_triangle(scene: &CasterScene, triangle: u32, (start, way): (Vec3, Vec3), slack: f32) -> bool {
+fn segment_hits_triangle(scene: &CasterScene, triangle: u32, (start, span): (Vec3, Vec3), slack: f32) -> bool {
     let (normal, offset) = scene.plane(triangle);
-    let (start_height, end_height) = (normal.dot(start) - offset, normal.dot(start + way) - offset);
+    let (start_height, end_height) = (normal.dot(start) - offset, normal.dot(start + span) - offset);
     if start_height.abs() <= slack || start_height * end_height >= 0.0 {
         return false;
     }
-    let at = start + way * (start_height / (start_height - end_height));
+    let at = start + span * (start_height / (start_height - end_height));
     let weights = weights_at(scene.corners(triangle), at);
     weights.min_element() >= -1e-6 && scene.links.casts_shadow(triangle) && !scene.has_hole(triangle, weights)
 }

@@ -94,7 +94,7 @@ pub struct MapFace {
     pub depths: DepthRule,
 }
 
-/// Work memory of [`draw_face_with_alpha_tests`], reused from one face to the next.
+/// Work memory of [`draw_face`], reused from one face to the next.
 #[derive(Debug, Default)]
 pub struct RasterMemory {
     pieces: Vec<OpaquePiece>,
@@ -103,38 +103,12 @@ pub struct RasterMemory {
     rows: Vec<f32>,
 }
 
-/// Draws a face without alpha-tested triangles. `texels` gets its rows without gaps between them.
-#[cfg(test)]
-fn draw_face<Chunk: AsRef<[RasterTriangle]> + Sync>(
-    face: &MapFace,
-    chunks: &[Chunk],
-    workers: &Workers,
-    scratch: &mut RasterMemory,
-    texels: &mut [f32],
-    side: usize,
-) {
-    let none = AlphaTestedTriangles::<&[AlphaTestedTriangle]> { chunks: &[], tests: AlphaTests::default() };
-    let mut with_gaps = vec![0.0; side * stride(side)];
-    draw_face_with_alpha_tests(face, chunks, &none, workers, scratch, &mut with_gaps, side)
-        .expect("not cancelled");
-    texels.copy_from_slice(&without_gaps(&with_gaps, side));
-}
-
-/// Returns a face's rows without the unused room behind each.
-#[cfg(test)]
-fn without_gaps(texels: &[f32], side: usize) -> Vec<f32> {
-    texels.chunks(stride(side)).flat_map(|row| &row[..side]).copied().collect()
-}
-
 /// Draws triangles, opaque and alpha-tested, onto a face of `side` texels a side. `texels` has the layout of a
 /// [`DepthMap`].
-pub fn draw_face_with_alpha_tests<
-    Chunk: AsRef<[RasterTriangle]> + Sync,
-    HoledChunk: AsRef<[AlphaTestedTriangle]> + Sync,
->(
+pub fn draw_face<Chunk: AsRef<[RasterTriangle]> + Sync, AlphaTestedChunk: AsRef<[AlphaTestedTriangle]> + Sync>(
     face: &MapFace,
     chunks: &[Chunk],
-    alpha_tested: &AlphaTestedTriangles<HoledChunk>,
+    alpha_tested: &AlphaTestedTriangles<AlphaTestedChunk>,
     workers: &Workers,
     scratch: &mut RasterMemory,
     texels: &mut [f32],
@@ -149,25 +123,18 @@ pub fn draw_face_with_alpha_tests<
         alpha_tested.chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(TRIANGLES_PER_PIECE)).collect();
     alpha_tested_pieces.resize_with(alpha_tested_slices.len(), AlphaTestedPiece::default);
     let projection = Projection::new(face, side);
-    let set_up = |(piece, triangles): (&mut OpaquePiece, &[RasterTriangle])| {
-        Arch::new().dispatch(SetUp { piece, triangles, projection: &projection });
-    };
-    let set_up_alpha_tested = |(piece, triangles): (&mut AlphaTestedPiece, &[AlphaTestedTriangle])| {
-        piece.set_up(triangles, &projection);
-    };
     workers.run(|| {
-        pieces.par_iter_mut().zip(slices.into_par_iter()).for_each(set_up);
-        alpha_tested_pieces
-            .par_iter_mut()
-            .zip(alpha_tested_slices.into_par_iter())
-            .for_each(set_up_alpha_tested);
+        pieces.par_iter_mut().zip(slices).for_each(|(piece, triangles)| {
+            Arch::new().dispatch(SetUp { piece, triangles, projection: &projection });
+        });
+        let alpha_tested = alpha_tested_pieces.par_iter_mut().zip(alpha_tested_slices);
+        alpha_tested.for_each(|(piece, triangles)| piece.set_up(triangles, &projection));
     });
     let seen = SetUpTriangles { pieces, alpha_tested: alpha_tested_pieces, tests: alpha_tested.tests };
     match face.depths {
         DepthRule::Bent { row_divisor: [first, each], depth_per_value } => {
-            let in_row = |row: usize| (first + each * (row as f32 + 0.5)) / depth_per_value;
             rows.clear();
-            rows.extend((0..side).map(in_row));
+            rows.extend((0..side).map(|row| (first + each * (row as f32 + 0.5)) / depth_per_value));
             draw_bands(workers, BentDepthTest { rows }, seen, texels, side)
         }
         DepthRule::Perspective { .. } => draw_bands(workers, PerspectiveDepthTest, seen, texels, side),
@@ -194,9 +161,7 @@ fn draw_bands<R: DepthTest>(
 ) -> Result<(), Cancelled> {
     let bands = texels.chunks_mut((BAND * stride(side)).max(1)).enumerate();
     let bands = bands.map(|(index, texels)| BandWork { index, texels, next: None });
-    workers.each(bands, |work| {
-        Arch::new().dispatch(DrawBand { rule, seen, work, stride: stride(side), workers })
-    })
+    workers.each(bands, |work| Arch::new().dispatch(DrawBand { rule, seen, work, stride: stride(side), workers }))
 }
 
 /// Band of a face, and the progress of drawing it.
@@ -233,7 +198,6 @@ struct DrawBand<'a, 'b, R> {
 impl<R: DepthTest> WithSimd for DrawBand<'_, '_, R> {
     type Output = bool;
 
-    #[expect(clippy::inline_always, reason = "pulp compiles it for the vectors that it found")]
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> bool {
         let Self { rule, seen, work: BandWork { index, texels, next }, stride, workers } = self;
@@ -243,9 +207,8 @@ impl<R: DepthTest> WithSimd for DrawBand<'_, '_, R> {
             (0, 0)
         });
         let (first, height) = (index * BAND, texels.len() / stride);
-        let mut band =
-            Band { first, end: first + height, stride, texels, lane_indices: black_box(LANE_INDICES) };
-        let mut looked_at = 0;
+        let mut band = Band { first, end: first + height, stride, texels, lane_indices: black_box(LANE_INDICES) };
+        let mut examined = 0;
         while piece < seen.pieces.len() + seen.alpha_tested.len() {
             if let Some(of_piece) = seen.pieces.get(piece) {
                 let (large, small) = (&of_piece.large_by_band[index], &of_piece.small_by_band[index]);
@@ -253,10 +216,10 @@ impl<R: DepthTest> WithSimd for DrawBand<'_, '_, R> {
                     let of_large = &of_piece.large[large[triangle] as usize];
                     large::draw(rule, of_large, &mut band);
                     triangle += 1;
-                    looked_at += of_large.texels_in(&band);
-                    if looked_at > YIELD_CHECK_TEXELS {
-                        looked_at = 0;
-                        if workers.should_yield() {
+                    examined += of_large.texels_in(&band);
+                    if examined > YIELD_CHECK_TEXELS {
+                        examined = 0;
+                        if workers.yielding.should_yield() {
                             *next = Some((piece, triangle));
                             return false;
                         }
@@ -269,7 +232,7 @@ impl<R: DepthTest> WithSimd for DrawBand<'_, '_, R> {
                         small::draw(rule, of_small, &mut band);
                     }
                     triangle += some.len();
-                    if workers.should_yield() {
+                    if workers.yielding.should_yield() {
                         *next = Some((piece, triangle));
                         return false;
                     }
@@ -277,11 +240,11 @@ impl<R: DepthTest> WithSimd for DrawBand<'_, '_, R> {
             } else {
                 let alpha_tested = &seen.alpha_tested[piece - seen.pieces.len()];
                 while triangle < alpha_tested.count_in(index) {
-                    looked_at += alpha_tested.draw(rule, seen.tests, (index, triangle), &mut band);
+                    examined += alpha_tested.draw(rule, seen.tests, index, triangle, &mut band);
                     triangle += 1;
-                    if looked_at > YIELD_CHECK_TEXELS {
-                        looked_at = 0;
-                        if workers.should_yield() {
+                    if examined > YIELD_CHECK_TEXELS {
+                        examined = 0;
+                        if workers.yielding.should_yield() {
                             *next = Some((piece, triangle));
                             return false;
                         }

@@ -27,9 +27,9 @@ pub struct Exposure {
 pub fn display_radiance(workers: &Workers, radiance: &[[f32; 4]], exposure: Exposure) -> Vec<u8> {
     let mut bytes = vec![0; BYTES_PER_PIXEL * radiance.len()];
     workers.run(|| {
-        let turns = bytes.par_chunks_mut(BYTES_PER_PIXEL * PIXELS_PER_CHUNK);
-        let turns = turns.zip(radiance.par_chunks(PIXELS_PER_CHUNK));
-        turns.for_each(|(bytes, radiance)| simd::run(DisplayPixels { radiance, exposure, bytes }));
+        let chunks = bytes.par_chunks_mut(BYTES_PER_PIXEL * PIXELS_PER_CHUNK);
+        let chunks = chunks.zip(radiance.par_chunks(PIXELS_PER_CHUNK));
+        chunks.for_each(|(bytes, radiance)| simd::run(DisplayPixels { radiance, exposure, bytes }));
     });
     bytes
 }

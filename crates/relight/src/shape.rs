@@ -1,11 +1,22 @@
 //! Interface of the light shapes.
 
-use light::LightProfile;
+use light::{Lanes, LightProfile};
 
 use crate::CasterScene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, Vec3s};
 use crate::surfaces::SurfaceLanes;
+
+/// Largest attenuation that stays finite through the BRDF.
+const MAX_ATTENUATION: f32 = 1e15;
+
+/// Computes the attenuation of light by its profile. At the source itself it would be infinite.
+#[inline(always)]
+pub(crate) fn finite_attenuation(profile: &LightProfile, v: F32s, w: F32s, s: F32s) -> F32s {
+    let most = F32s::splat(MAX_ATTENUATION);
+    let share = profile.attenuation_at(v, w, s);
+    F32s::select(share.le(most), share, most)
+}
 
 /// Light at sixteen pixels. In lanes that are not `inside` the values have no meaning.
 #[derive(Clone, Copy, Debug)]
@@ -20,16 +31,25 @@ pub(crate) struct LightSampleLanes {
     pub visibility: F32s,
 }
 
+impl LightSampleLanes {
+    /// Returns samples of surfaces that are all outside the light.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = Vec3s::splat([0.0; 3]);
+        Self { inside: Masks::ZERO, direction: zero, irradiance: zero, visibility: F32s::ZERO }
+    }
+}
+
 /// Light of one shape.
 pub(crate) trait RelitShape: Sync {
     fn light_profile(&self) -> &LightProfile;
-    /// Samples the light at surfaces, in the `asked` lanes. `map` is the light's shadow map, `None` for a light without
-    /// shadows.
+    /// Samples the light at surfaces, in the `active` lanes. `map` is the light's shadow map, `None` for a light
+    /// without shadows.
     fn sample(
         &self,
         scene: &CasterScene,
         map: Option<&DepthMap>,
         surface: &SurfaceLanes,
-        asked: Masks,
+        active: Masks,
     ) -> LightSampleLanes;
 }

@@ -29,14 +29,12 @@ impl SolverBatch {
     }
 }
 
-struct Solve<'a>(&'a SolverBatch);
-
-impl SimdTask for Solve<'_> {
+impl SimdTask for &SolverBatch {
     type Output = Roots<F32s>;
 
     #[inline(always)]
     fn run(self) -> Roots<F32s> {
-        let SolverBatch { curve, q } = self.0;
+        let SolverBatch { curve, q } = self;
         let f0 = -F32s::dot(*q - curve.b0, curve.d0);
         let f1 = -F32s::dot(*q - curve.b2, curve.d1);
         increasing_roots(curve, *q, f0, f1)
@@ -45,7 +43,7 @@ impl SimdTask for Solve<'_> {
 
 /// Computes the increasing roots of each case, like [`light::increasing_roots`].
 pub fn solve_batch(cases: &SolverBatch) -> [Roots<f32>; LANES] {
-    let roots = simd::run(Solve(cases));
+    let roots = simd::run(cases);
     std::array::from_fn(|lane| Roots {
         left: roots.left.0[lane],
         right: roots.right.0[lane],

@@ -73,7 +73,7 @@ pub(crate) struct PixelBlock {
 #[derive(Debug)]
 pub struct Surfaces {
     size: [u32; 2],
-    camera: CameraRays,
+    pub(crate) camera: CameraRays,
     pub(crate) blocks: Vec<PixelBlock>,
     /// Reflected radiance of the whole fill light, for each block.
     pub(crate) fill: Vec<Vec3s>,
@@ -104,12 +104,33 @@ pub(crate) struct SurfaceLanes {
     pub roughness: F32s,
 }
 
+#[cfg(test)]
+impl SurfaceLanes {
+    /// White and rough surfaces with this normal, seen from straight above, as a base for tests.
+    pub fn facing(normal: Vec3s) -> Self {
+        Self {
+            exists: Masks::of(true),
+            position: Vec3s::splat([0.0; 3]),
+            depth: F32s::splat(1.0),
+            geometric_normal: normal,
+            normal,
+            terminator_offset: F32s::ZERO,
+            triangle: U32s::splat(1),
+            to_eye: normal,
+            base_color: Vec3s::splat([1.0; 3]),
+            metallic: F32s::ZERO,
+            roughness: F32s::splat(1.0),
+        }
+    }
+}
+
 impl Surfaces {
     /// Makes the surfaces of a G-buffer of `scene`.
     pub fn new(
         workers: &Workers,
         scene: &CasterScene,
-        (camera, fill): (CameraRays, FillColors),
+        camera: CameraRays,
+        fill: FillColors,
         gbuffer: &GbufferRows,
     ) -> Result<Self, Cancelled> {
         let height_in_blocks = (gbuffer.size[1] as usize).div_ceil(BLOCK_SIDE);
@@ -127,7 +148,7 @@ impl Surfaces {
             surfaces.fill.extend(fill);
             surfaces.row_starts.push(surfaces.blocks.len());
             // The operating system is slow to provide new memory.
-            workers.yield_point()?;
+            workers.yielding.yield_point()?;
         }
         Ok(surfaces)
     }
@@ -156,17 +177,11 @@ impl Surfaces {
     pub fn bytes_of(block_count: usize) -> u64 {
         (block_count * (size_of::<PixelBlock>() + size_of::<Vec3s>())) as u64
     }
-
-    /// Unpacks the surfaces that a block's pixels show.
-    #[inline(always)]
-    pub(crate) fn surface(&self, block: &PixelBlock) -> SurfaceLanes {
-        surface_of(&self.camera, block)
-    }
 }
 
-/// Unpacks the surfaces of a block's pixels.
+/// Unpacks the surfaces that a block's pixels show.
 #[inline(always)]
-fn surface_of(camera: &CameraRays, block: &PixelBlock) -> SurfaceLanes {
+pub(crate) fn surface_of(camera: &CameraRays, block: &PixelBlock) -> SurfaceLanes {
     let (origin, direction) = rays(camera, block.corner);
     let (base_color, metallic, roughness) = crate::encoding::material_from_bits(block.material);
     let length = F32s::length(direction);
@@ -229,13 +244,13 @@ fn rays(camera: &CameraRays, [left, top]: [u16; 2]) -> (Vec3s, Vec3s) {
         y.0[i] = top + (i / BLOCK_SIDE) as f32;
     }
     (
-        along(camera.origin, (camera.origin_dx, x), (camera.origin_dy, y)),
-        along(camera.direction, (camera.direction_dx, x), (camera.direction_dy, y)),
+        along(camera.origin, camera.origin_dx, x, camera.origin_dy, y),
+        along(camera.direction, camera.direction_dx, x, camera.direction_dy, y),
     )
 }
 
 #[inline(always)]
-fn along(base: [f32; 3], (dx, x): ([f32; 3], F32s), (dy, y): ([f32; 3], F32s)) -> Vec3s {
+fn along(base: [f32; 3], dx: [f32; 3], x: F32s, dy: [f32; 3], y: F32s) -> Vec3s {
     Vec3s::splat(base) + Vec3s::splat(dx) * x + Vec3s::splat(dy) * y
 }
 
@@ -258,9 +273,7 @@ impl SimdTask for RowOfBlocks<'_> {
         let mut filled = Vec::with_capacity(width.div_ceil(BLOCK_SIDE));
         for column in 0..width.div_ceil(BLOCK_SIDE) {
             let corner = [(BLOCK_SIDE * column) as u16, (BLOCK_SIDE * row) as u16];
-            let (block, z) = load_block(scene, gbuffer, corner);
-            if !block.triangle.equals(U32s::splat(0)).all() {
-                let block = with_depth(scene, camera, block, z);
+            if let Some(block) = load_block(scene, camera, gbuffer, corner) {
                 filled.push(fill.reflected_by(&surface_of(camera, &block)));
                 blocks.push(block);
             }
@@ -269,9 +282,10 @@ impl SimdTask for RowOfBlocks<'_> {
     }
 }
 
-/// Loads a block without its depth, and the z of its pixels. Its geometric normals are those of the triangles' fronts.
+/// Loads a block; `None` if it shows no surface. Finds its depths by intersection with the planes of its triangles, as
+/// in `depth_on` of `view.wgsl`, and turns its geometric normals towards the viewer.
 #[inline(always)]
-fn load_block(scene: &CasterScene, gbuffer: &GbufferRows, corner: [u16; 2]) -> (PixelBlock, F32s) {
+fn load_block(scene: &CasterScene, camera: &CameraRays, gbuffer: &GbufferRows, corner: [u16; 2]) -> Option<PixelBlock> {
     let [width, height] = gbuffer.size.map(|side| side as usize);
     let (zero, none) = (F32s::splat(0.0), U32s::splat(0));
     let mut block = PixelBlock {
@@ -283,7 +297,7 @@ fn load_block(scene: &CasterScene, gbuffer: &GbufferRows, corner: [u16; 2]) -> (
         triangle: none,
         corner,
     };
-    let mut z = zero;
+    let (mut z, mut offset) = (zero, zero);
     for i in 0..LANES {
         let (x, y) = (corner[0] as usize + i % BLOCK_SIDE, corner[1] as usize + i / BLOCK_SIDE);
         if x >= width || y >= height {
@@ -294,39 +308,28 @@ fn load_block(scene: &CasterScene, gbuffer: &GbufferRows, corner: [u16; 2]) -> (
         if triangle == 0 {
             continue;
         }
-        let [nx, ny, nz, _] = scene.planes[triangle as usize - 1];
-        (block.geometric_normal.x.0[i], block.geometric_normal.y.0[i], block.geometric_normal.z.0[i]) =
-            (nx, ny, nz);
+        let [nx, ny, nz, plane_offset] = scene.planes[triangle as usize - 1];
+        (block.geometric_normal.x.0[i], block.geometric_normal.y.0[i], block.geometric_normal.z.0[i]) = (nx, ny, nz);
+        offset.0[i] = plane_offset;
         block.normal.0[i] = normal;
         block.triangle.0[i] = triangle;
         (block.material[0].0[i], block.material[1].0[i]) = (low, high);
         block.terminator_offset.0[i] = gbuffer.terminator_offset[pixel];
         z.0[i] = gbuffer.z[pixel];
     }
-    (block, z)
-}
-
-/// Adds the depths of a block by intersection with the planes of its triangles, as in `depth_on` of `view.wgsl`, and
-/// turns its geometric normals towards the viewer.
-#[inline(always)]
-fn with_depth(scene: &CasterScene, camera: &CameraRays, mut block: PixelBlock, z: F32s) -> PixelBlock {
-    let (origin, direction) = rays(camera, block.corner);
-    let mut offset = F32s::splat(0.0);
-    for i in 0..LANES {
-        if block.triangle.0[i] != 0 {
-            offset.0[i] = scene.planes[block.triangle.0[i] as usize - 1][3];
-        }
+    if block.triangle.equals(none).all() {
+        return None;
     }
+    let (origin, direction) = rays(camera, corner);
     let normal = block.geometric_normal;
     let [a, b, c, d] = camera.depth_from_z;
     let [a, b, c, d] = [F32s::splat(a), F32s::splat(b), F32s::splat(c), F32s::splat(d)];
     let rough = (a + b * z) / (c + d * z);
-    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
     let closing = F32s::dot(normal, direction);
     let edge_on = closing.equals(zero);
-    let exact = (offset - F32s::dot(normal, origin)) / F32s::select(edge_on, one, closing);
+    let exact = (offset - F32s::dot(normal, origin)) / F32s::select(edge_on, F32s::splat(1.0), closing);
     let held = exact.within(F32s::splat(0.5) * rough, F32s::splat(2.0) * rough);
     block.depth = F32s::select(edge_on, rough, held);
     block.geometric_normal = F32s::select_vec(closing.gt(zero), -normal, normal);
-    block
+    Some(block)
 }

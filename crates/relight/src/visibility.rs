@@ -8,6 +8,11 @@ use crate::nearby::{self, ReceiverPoint};
 use crate::surfaces::SurfaceLanes;
 use crate::{CasterScene, ShadowFilter};
 
+/// Run of the receiver's plane, in texel widths, above which light counts as grazing, and ray tests against the scene
+/// decide where the map cannot. The run is the distance along the light by which the plane changes from one texel to
+/// the next.
+pub(crate) const GRAZING_TEXELS: f32 = 1.0;
+
 /// Receivers in sixteen lanes, with their position on a shadow map. Each shape of light has its own type.
 pub(crate) trait Receiver {
     /// Returns the position in texels from the center of the first texel.
@@ -100,11 +105,7 @@ fn weighted_both(lit: &LitTexels, columns: [F32s; 2], rows: [F32s; 2]) -> Visibi
 
 /// Computes the shares of the light that `filter` lets through.
 #[inline(always)]
-pub(crate) fn filter_visibility<R: Receiver>(
-    receiver: &R,
-    map: &DepthMap,
-    filter: ShadowFilter,
-) -> VisibilityShares {
+pub(crate) fn filter_visibility<R: Receiver>(receiver: &R, map: &DepthMap, filter: ShadowFilter) -> VisibilityShares {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
     let [x, y] = receiver.texel();
     let first = [x.floor(), y.floor()];
@@ -140,44 +141,35 @@ pub(crate) fn needs_exact_trace(shares: VisibilityShares, grazes: Masks) -> Mask
     grazes & shares.resolved.lt(F32s::splat(1.0)) & shares.deferred.gt(F32s::splat(0.0))
 }
 
-/// Computes the share of the light that reaches the surface from both shares of [`filter_visibility`]. `asks` has the
+/// Computes the share of the light that reaches the surface from both shares of [`filter_visibility`]. `traced` has the
 /// lanes to test exactly. `is_blocked` tests such a lane for a caster on the last piece of the light path.
 #[inline(always)]
-pub(crate) fn resolve_visibility(
-    shares: VisibilityShares,
-    asks: Masks,
-    is_blocked: impl Fn(usize) -> bool,
-) -> F32s {
-    if !asks.any() {
+pub(crate) fn resolve_visibility(shares: VisibilityShares, traced: Masks, is_blocked: impl Fn(usize) -> bool) -> F32s {
+    if !traced.any() {
         return shares.resolved;
     }
     let mut visibility = shares.resolved;
     for i in 0..LANES {
-        if asks.lane(i) {
+        if traced.lane(i) {
             visibility.0[i] = if is_blocked(i) { 0.0 } else { shares.deferred.0[i] };
         }
     }
     visibility
 }
 
-/// Computes the share of the light that reaches the surface, for a straight last piece of the light path. `way` is the
-/// vector from the surface along that piece, towards the light.
+/// Computes the share of the light that reaches the surface, for a straight last piece of the light path. `segment` is
+/// the vector from the surface along that piece, towards the light.
 #[inline(always)]
 pub(crate) fn resolve_along_segment(
     scene: &CasterScene,
     surface: &SurfaceLanes,
     shares: VisibilityShares,
     grazes: Masks,
-    way: Vec3s,
+    segment: Vec3s,
 ) -> F32s {
     resolve_visibility(shares, needs_exact_trace(shares, grazes), |i| {
         let met = surface.receiver_point(i);
-        nearby::is_segment_occluded(
-            scene,
-            (met.shadow_position(), way.lane(i)),
-            Some(met.triangle),
-            met.depth,
-        )
+        nearby::is_segment_occluded(scene, (met.shadow_position(), segment.lane(i)), Some(met.triangle), met.depth)
     })
 }
 
@@ -192,18 +184,18 @@ pub(crate) struct Facing {
     pub normal: Vec3s,
 }
 
-/// Finds the side on which light meets the surfaces, in the `asked` lanes. `to_light` are unit vectors towards the
+/// Finds the side on which light meets the surfaces, in the `active` lanes. `to_light` are unit vectors towards the
 /// light.
 #[inline(always)]
-pub(crate) fn facing(scene: &CasterScene, surface: &SurfaceLanes, to_light: Vec3s, asked: Masks) -> Facing {
+pub(crate) fn facing(scene: &CasterScene, surface: &SurfaceLanes, to_light: Vec3s, active: Masks) -> Facing {
     let zero = F32s::splat(0.0);
     // Light from behind meets the other side of the surface.
-    let asked = asked & F32s::dot(surface.normal, to_light).gt(zero);
-    let asked = asked & !self_shadowed_lanes(scene, surface, to_light, asked);
+    let active = active & F32s::dot(surface.normal, to_light).gt(zero);
+    let active = active & !self_shadowed_lanes(scene, surface, to_light, active);
     // A facet that faces away lies behind the plane of the smooth surface.
     let faces_light = F32s::dot(surface.geometric_normal, to_light).gt(zero);
     let normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
-    Facing { active: asked, faces_light, normal }
+    Facing { active, faces_light, normal }
 }
 
 /// Returns the center and 1 / half size of the drawn part of each lane's face.
@@ -212,13 +204,12 @@ pub(crate) fn fit_of(fits: &[[f32; 4]], face: U32s) -> [F32s; 4] {
     let [x, y, per_x, per_y] = fits[0];
     let mut fit = [F32s::splat(x), F32s::splat(y), F32s::splat(per_x), F32s::splat(per_y)];
     // Sixteen neighbouring pixels mostly lie on one face.
-    for (other, [x, y, per_x, per_y]) in (1..).zip(&fits[1..]) {
+    for (other, numbers) in (1..).zip(&fits[1..]) {
         let here = face.equals(U32s::splat(other));
         if here.any() {
-            fit[0] = F32s::select(here, F32s::splat(*x), fit[0]);
-            fit[1] = F32s::select(here, F32s::splat(*y), fit[1]);
-            fit[2] = F32s::select(here, F32s::splat(*per_x), fit[2]);
-            fit[3] = F32s::select(here, F32s::splat(*per_y), fit[3]);
+            for k in 0..4 {
+                fit[k] = F32s::select(here, F32s::splat(numbers[k]), fit[k]);
+            }
         }
     }
     fit
@@ -231,22 +222,22 @@ pub(crate) fn texel_at(fit: [F32s; 4], [x, y]: [F32s; 2], side: F32s) -> [F32s; 
     [((x - fit[0]) * fit[2] * half + half) * side - half, (half - (y - fit[1]) * fit[3] * half) * side - half]
 }
 
-/// Returns the `asked` lanes whose surfaces shadow themselves. `arriving` are unit vectors towards the light.
+/// Returns the `active` lanes whose surfaces shadow themselves. `arriving` are unit vectors towards the light.
 #[inline(always)]
-fn self_shadowed_lanes(scene: &CasterScene, surface: &SurfaceLanes, arriving: Vec3s, asked: Masks) -> Masks {
+fn self_shadowed_lanes(scene: &CasterScene, surface: &SurfaceLanes, arriving: Vec3s, active: Masks) -> Masks {
     let faces_away = F32s::dot(surface.geometric_normal, arriving).le(F32s::splat(0.0));
-    let mut in_the_way = Masks::of(false);
-    if !(asked & faces_away).any() {
-        return in_the_way;
+    let mut shadowed = Masks::of(false);
+    if !(active & faces_away).any() {
+        return shadowed;
     }
     for i in 0..LANES {
-        if (asked & faces_away).lane(i)
+        if (active & faces_away).lane(i)
             && nearby::is_self_shadowed(scene, &surface.receiver_point(i), arriving.lane(i))
         {
-            in_the_way.0[i] = u32::MAX;
+            shadowed.0[i] = u32::MAX;
         }
     }
-    in_the_way
+    shadowed
 }
 
 impl SurfaceLanes {

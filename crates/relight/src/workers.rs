@@ -9,7 +9,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 #[derive(Debug)]
 pub struct Workers {
     pool: ThreadPool,
-    yielding: YieldPolicy,
+    pub(crate) yielding: YieldPolicy,
 }
 
 /// Bytes of new memory that are written between two yield points: some milliseconds on a machine with slow page faults.
@@ -43,21 +43,20 @@ struct Queue<I, T> {
 impl YieldPolicy {
     /// Makes a policy from three callbacks.
     ///
-    /// `is_due` returns true if other work has to go first. It may be called on any thread, and does not block. If it
-    /// returned true, `give_way` is called on the thread that requested the work. `give_way` returns when the work may
-    /// go on, or returns false if the work is cancelled. `aside` runs long work that does not hinder other work, while
-    /// that goes first. It returns when the long work is done and its caller may go on, or returns false if the caller
-    /// is cancelled.
+    /// `should_yield` returns true if other work has to go first. It may be called on any thread, and does not block.
+    /// If it returned true, `yield_now` is called on the thread that requested the work. `yield_now` returns when the
+    /// work may go on, or returns false if the work is cancelled. `run_in_background` runs long work that does not
+    /// hinder other work, while that goes first. It returns when the long work is done and its caller may go on, or
+    /// returns false if the caller is cancelled.
     pub fn new(
-        is_due: impl Fn() -> bool + Send + Sync + 'static,
-        give_way: impl Fn() -> bool + Send + Sync + 'static,
-        aside: impl Fn(&mut (dyn FnMut() + Send)) -> bool + Send + Sync + 'static,
+        should_yield: impl Fn() -> bool + Send + Sync + 'static,
+        yield_now: impl Fn() -> bool + Send + Sync + 'static,
+        run_in_background: impl Fn(&mut (dyn FnMut() + Send)) -> bool + Send + Sync + 'static,
     ) -> Self {
-        let (is_due, give_way, aside) = (Box::new(is_due), Box::new(give_way), Box::new(aside));
         Self(Some(Arc::new(YieldCallbacks {
-            should_yield: is_due,
-            yield_now: give_way,
-            run_in_background: aside,
+            should_yield: Box::new(should_yield),
+            yield_now: Box::new(yield_now),
+            run_in_background: Box::new(run_in_background),
         })))
     }
 
@@ -91,12 +90,7 @@ impl std::fmt::Debug for YieldPolicy {
 }
 
 impl Workers {
-    /// Makes a pool with one thread per core, which never yields.
-    pub fn new() -> Self {
-        Self::with_threads(0)
-    }
-
-    /// Starts `count` threads; 0 for one per core.
+    /// Makes a pool of `count` threads, 0 for one per core. It never yields.
     pub fn with_threads(count: usize) -> Self {
         let name = |index| format!("relight {index}");
         let pool = ThreadPoolBuilder::new().num_threads(count).thread_name(name).build();
@@ -122,8 +116,8 @@ impl Workers {
 
     /// Runs `work` on each item, in any order. Each thread takes the next item when it has finished one.
     ///
-    /// Other work goes first if [`Self::should_yield`] is true after an item. `work` may also return false in the
-    /// middle of an item if it finds that. The item is then continued later.
+    /// Other work goes first if [`YieldPolicy::should_yield`] is true after an item. `work` may also return false in
+    /// the middle of an item if it finds that. The item is then continued later.
     pub(crate) fn each<T: Send>(
         &self,
         items: impl ExactSizeIterator<Item = T> + Send,
@@ -139,7 +133,7 @@ impl Workers {
                     if !work(&mut item) {
                         lock(&unfinished).push(item);
                     }
-                    if self.should_yield() {
+                    if self.yielding.should_yield() {
                         break;
                     }
                 }
@@ -166,16 +160,6 @@ impl Workers {
         }
         Ok(())
     }
-
-    /// Lets other work go first if it has to. Gives an error if the present work is cancelled meanwhile.
-    pub(crate) fn yield_point(&self) -> Result<(), Cancelled> {
-        self.yielding.yield_point()
-    }
-
-    /// True if other work has to go first.
-    pub(crate) fn should_yield(&self) -> bool {
-        self.yielding.should_yield()
-    }
 }
 
 impl<T, I: Iterator<Item = T>> Queue<I, T> {
@@ -186,12 +170,6 @@ impl<T, I: Iterator<Item = T>> Queue<I, T> {
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Default for Workers {
-    fn default() -> Self {
-        Self::new()
-    }
 }
 
 #[cfg(test)]
@@ -206,8 +184,8 @@ mod tests {
     fn counting(cancelled_at: usize) -> (YieldPolicy, Arc<AtomicUsize>) {
         let count = Arc::new(AtomicUsize::new(0));
         let counted = Arc::clone(&count);
-        let give_way = move || counted.fetch_add(1, Ordering::Relaxed) + 1 != cancelled_at;
-        (YieldPolicy::new(|| true, give_way, |work| (work(), true).1), count)
+        let yield_now = move || counted.fetch_add(1, Ordering::Relaxed) + 1 != cancelled_at;
+        (YieldPolicy::new(|| true, yield_now, |work| (work(), true).1), count)
     }
 
     /// Each of two items waits until work on the other has begun. If one thread ran both, or if one ran after the
@@ -232,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn each_item_is_finished_once_however_often_it_gives_way() {
+    fn each_item_is_finished_once_however_often_it_yields() {
         let (yielding, count) = counting(usize::MAX);
         for workers in [Workers::with_threads(2), Workers::with_threads(2).with_yield_policy(yielding)] {
             let done: Vec<AtomicUsize> = (0..100).map(|_| AtomicUsize::new(0)).collect();
@@ -259,7 +237,7 @@ mod tests {
         assert_eq!((ended, count.load(Ordering::Relaxed)), (Err(Cancelled), 3));
     }
     #[test]
-    fn new_memory_comes_in_parts_and_holds_what_it_held() {
+    fn resizing_yields_between_parts_and_keeps_the_items() {
         let (yielding, count) = counting(4);
         let workers = Workers::with_threads(1).with_yield_policy(yielding);
         let mut items = vec![1_u64; 3];
@@ -273,19 +251,19 @@ mod tests {
     }
 
     #[test]
-    fn what_is_done_aside_is_given_back_unless_it_is_cancelled_or_never_done() {
-        let aside = |does: bool, goes_on: bool| {
-            let aside = move |work: &mut (dyn FnMut() + Send)| {
+    fn background_work_returns_its_result_unless_it_is_cancelled_or_never_run() {
+        let result = |does: bool, goes_on: bool| {
+            let run_in_background = move |work: &mut (dyn FnMut() + Send)| {
                 if does {
                     work();
                 }
                 goes_on
             };
-            YieldPolicy::new(|| false, || true, aside).run_in_background(|| 7)
+            YieldPolicy::new(|| false, || true, run_in_background).run_in_background(|| 7)
         };
         assert_eq!(YieldPolicy::default().run_in_background(|| 7), Ok(7));
-        assert_eq!(aside(true, true), Ok(7));
-        assert_eq!(aside(true, false), Err(Cancelled), "its drawing is over");
-        assert_eq!(aside(false, true), Err(Cancelled), "no thread could be started");
+        assert_eq!(result(true, true), Ok(7));
+        assert_eq!(result(true, false), Err(Cancelled), "its drawing is over");
+        assert_eq!(result(false, true), Err(Cancelled), "no thread could be started");
     }
 }

@@ -34,11 +34,7 @@ pub(crate) struct AlphaPicture {
 
 impl GpuAlphaTests {
     /// Uploads the tests and their texels. `texels` has eight bits per texel.
-    pub fn new(
-        gpu: &Gpu,
-        list: Vec<gpu_structs::AlphaTest>,
-        mut texels: Vec<u8>,
-    ) -> Result<Self, RenderError> {
+    pub fn new(gpu: &Gpu, list: Vec<gpu_structs::AlphaTest>, mut texels: Vec<u8>) -> Result<Self, RenderError> {
         texels.resize(texels.len().next_multiple_of(4), 0);
         Ok(Self {
             tests: upload(gpu, TESTS, &list, BufferUsages::STORAGE)?,
@@ -53,13 +49,7 @@ impl GpuAlphaTests {
     pub fn with_tests(&self, gpu: &Gpu, list: Vec<gpu_structs::AlphaTest>) -> Result<Self, RenderError> {
         let tests = upload(gpu, TESTS, &list, BufferUsages::STORAGE)?;
         let host_tests = list.iter().map(host_test).collect();
-        Ok(Self {
-            list,
-            tests,
-            texels: self.texels.clone(),
-            host_tests,
-            host_texels: self.host_texels.clone(),
-        })
+        Ok(Self { list, tests, texels: self.texels.clone(), host_tests, host_texels: self.host_texels.clone() })
     }
 
     /// Makes a table with one test that applies to no triangle, because a binding must not be empty.
@@ -96,18 +86,7 @@ fn host_test(test: &gpu_structs::AlphaTest) -> relight::AlphaTest {
     let gpu_structs::AlphaTest { first_triangle, first_index, cutoff, factor, .. } = *test;
     let gpu_structs::AlphaTest { offset, width, height, .. } = *test;
     let (wrap_u, wrap_v, nearest) = (wrap(test.wrap_u), wrap(test.wrap_v), test.nearest != 0);
-    relight::AlphaTest {
-        first_triangle,
-        first_index,
-        cutoff,
-        factor,
-        offset,
-        width,
-        height,
-        wrap_u,
-        wrap_v,
-        nearest,
-    }
+    relight::AlphaTest { first_triangle, first_index, cutoff, factor, offset, width, height, wrap_u, wrap_v, nearest }
 }
 
 /// Makes the alpha test of `draw`. `first_masked` is the index at which alpha-tested triangles begin.

@@ -32,13 +32,8 @@ impl BakedFilter {
     /// the first.
     #[cfg(test)]
     pub fn samples() -> [Self; 4] {
-        let plain = Self {
-            profile: ProfileCurve::Smooth,
-            superellipse: false,
-            radial: false,
-            cut: false,
-            shadowed: true,
-        };
+        let plain =
+            Self { profile: ProfileCurve::Smooth, superellipse: false, radial: false, cut: false, shadowed: true };
         [
             plain,
             Self { profile: ProfileCurve::Linear, shadowed: false, ..plain },

@@ -31,18 +31,15 @@ impl CameraRaster {
             return invalid("its exposure is outside its domain; give one from -32 to 32 stops");
         }
         let aspect_ratio = view.camera.projection.aspect_ratio();
-        let sound = aspect_ratio.is_none_or(|aspect| aspect > 0.0 && aspect.is_finite());
-        let sound = sound
-            && match view.camera.projection {
-                Projection::Perspective { yfov, znear, zfar, .. } => {
-                    yfov > 0.0 && yfov < std::f64::consts::PI && znear > 0.0 && zfar.is_none_or(|f| f > znear)
-                }
-                Projection::Orthographic { ymag, znear, zfar, .. } => {
-                    ymag > 0.0 && znear >= 0.0 && zfar > znear
-                }
-            };
+        let has_sound_frame = aspect_ratio.is_none_or(|aspect| aspect > 0.0 && aspect.is_finite());
         let (world_from_camera, projection) = (view.camera.world_from_camera(), view.camera.projection);
-        if !sound || !world_from_camera.is_finite() {
+        let is_sound = match projection {
+            Projection::Perspective { yfov, znear, zfar, .. } => {
+                yfov > 0.0 && yfov < std::f64::consts::PI && znear > 0.0 && zfar.is_none_or(|f| f > znear)
+            }
+            Projection::Orthographic { ymag, znear, zfar, .. } => ymag > 0.0 && znear >= 0.0 && zfar > znear,
+        };
+        if !has_sound_frame || !is_sound || !world_from_camera.is_finite() {
             return invalid("its camera has numbers outside their domains; correct the camera");
         }
         Ok(Self { world_from_camera, projection, width: view.width, height: view.height })
@@ -71,9 +68,7 @@ impl CameraRaster {
                 let k = znear / (zfar - znear);
                 [k, k * zfar, -1.0, 0.0]
             }
-            Projection::Orthographic { znear, zfar, .. } => {
-                [1.0 / (zfar - znear), zfar / (zfar - znear), 0.0, 1.0]
-            }
+            Projection::Orthographic { znear, zfar, .. } => [1.0 / (zfar - znear), zfar / (zfar - znear), 0.0, 1.0],
         };
         let clip_from_camera = DMat4::from_cols(
             DVec4::new(scale.x, 0.0, 0.0, 0.0),
@@ -252,10 +247,7 @@ mod tests {
                 let ndc = clip / clip.w;
                 // f32 rounds coordinates of size 30 by 2e-6, and one of 7 pixels is 2 / 7 of the unit: 1e-5 pixels.
                 let pixel = [(ndc.x * 0.5 + 0.5) * 7.0 - 0.5, (0.5 - ndc.y * 0.5) * 5.0 - 0.5];
-                assert!(
-                    (pixel[0] - x).abs() < 1e-4 && (pixel[1] - y).abs() < 1e-4,
-                    "{projection:?} {pixel:?}"
-                );
+                assert!((pixel[0] - x).abs() < 1e-4 && (pixel[1] - y).abs() < 1e-4, "{projection:?} {pixel:?}");
                 let [a, b, c, d] = uniform.depth_from_z;
                 let back = (a + b * ndc.z) / (c + d * ndc.z);
                 // Without a far plane the error of z is relative. With one, z = 0 is the far plane, and 6e-8 of its
@@ -270,21 +262,14 @@ mod tests {
     fn all_that_a_camera_frames_is_in_the_picture() {
         let yfov = 2.0 * 0.5_f64.atan();
         let perspective = Projection::Perspective { yfov, aspect_ratio: Some(2.0), znear: 0.1, zfar: None };
-        let orthographic =
-            Projection::Orthographic { ymag: 0.5, aspect_ratio: Some(2.0), znear: 0.0, zfar: 9.0 };
-        for (width, height, x, y) in
-            [(100, 100, 75.0, 37.5), (400, 100, 250.0, 25.0), (200, 100, 150.0, 25.0)]
-        {
+        let orthographic = Projection::Orthographic { ymag: 0.5, aspect_ratio: Some(2.0), znear: 0.0, zfar: 9.0 };
+        for (width, height, x, y) in [(100, 100, 75.0, 37.5), (400, 100, 250.0, 25.0), (200, 100, 150.0, 25.0)] {
             for projection in [perspective, orthographic] {
-                let raster =
-                    CameraRaster { world_from_camera: DAffine3::IDENTITY, projection, width, height };
+                let raster = CameraRaster { world_from_camera: DAffine3::IDENTITY, projection, width, height };
                 let clip = raster.clip_from_world() * DVec4::new(0.5, 0.25, -1.0, 1.0);
-                let pixel = (DVec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5)
-                    * DVec2::new(width.into(), height.into());
-                assert!(
-                    pixel.abs_diff_eq(DVec2::new(x, y), 1e-12),
-                    "{width}x{height} {projection:?}: {pixel}"
-                );
+                let pixel =
+                    (DVec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * DVec2::new(width.into(), height.into());
+                assert!(pixel.abs_diff_eq(DVec2::new(x, y), 1e-12), "{width}x{height} {projection:?}: {pixel}");
             }
         }
     }
@@ -292,11 +277,9 @@ mod tests {
     #[test]
     fn bounds_hold_what_they_are_of() {
         let projection = Projection::Perspective { yfov: 1.0, aspect_ratio: None, znear: 0.1, zfar: None };
-        let raster =
-            CameraRaster { world_from_camera: DAffine3::IDENTITY, projection, width: 100, height: 100 };
+        let raster = CameraRaster { world_from_camera: DAffine3::IDENTITY, projection, width: 100, height: 100 };
         let pixels_a_unit = 50.0 / 0.5_f64.tan();
-        let [x, y, width, height] =
-            raster.bounds_of(&[DVec3::new(0.1, 0.0, -1.0), DVec3::new(0.2, 0.1, -1.0)]);
+        let [x, y, width, height] = raster.bounds_of(&[DVec3::new(0.1, 0.0, -1.0), DVec3::new(0.2, 0.1, -1.0)]);
         assert_eq!(x, (50.0 + 0.1 * pixels_a_unit).floor() as u32 - 1);
         assert_eq!(x + width, (50.0 + 0.2 * pixels_a_unit).ceil() as u32 + 1);
         assert_eq!((y + height, y), (51, (50.0 - 0.1 * pixels_a_unit).floor() as u32 - 1));

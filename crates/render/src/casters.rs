@@ -65,8 +65,7 @@ impl CasterMesh {
             (&vertices.positions, &vertices.indices, opaque_indices)
         };
         let triangles = indices.as_chunks().0;
-        let (mut clusters, order) =
-            Clusters::new(positions, triangles, (opaque_indices / 3, mesh_error > 0.0));
+        let (mut clusters, order) = Clusters::new(positions, triangles, (opaque_indices / 3, mesh_error > 0.0));
         let mut indices: Vec<u32> = order.iter().flat_map(|&triangle| triangles[triangle as usize]).collect();
         // In the order of first use by triangles, so that the vertices of a leaf are in few blocks.
         let positions = meshopt::optimize_vertex_fetch(&mut indices, positions);

@@ -85,8 +85,7 @@ impl ClosedComponents {
     /// outside then enters as often as it leaves.
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
         let first_at = meshopt::generate_position_remap_decoder(positions);
-        let welded: Vec<[u32; 3]> =
-            triangles.iter().map(|triangle| triangle.map(|k| first_at[k as usize])).collect();
+        let welded: Vec<[u32; 3]> = triangles.iter().map(|triangle| triangle.map(|k| first_at[k as usize])).collect();
         let root_of = connected(positions.len(), &welded);
         let mut number_of = vec![u32::MAX; positions.len()];
         let mut parts: Vec<ComponentBuilder> = Vec::new();
@@ -191,8 +190,7 @@ mod tests {
     fn parts_are_told_apart() {
         let (near, far) = (cube(0.0), cube(10.0));
         let positions = [near.0, far.0].concat();
-        let triangles: Vec<_> =
-            near.1.into_iter().chain(far.1[1..].iter().map(|t| t.map(|k| k + 24))).collect();
+        let triangles: Vec<_> = near.1.into_iter().chain(far.1[1..].iter().map(|t| t.map(|k| k + 24))).collect();
         let shells = ClosedComponents::new(&positions, &triangles);
         assert_eq!(
             [shells.component_of(0), shells.component_of(12)],
@@ -206,14 +204,8 @@ mod tests {
     #[test]
     fn what_encloses_nothing_is_open() {
         let positions = [[0.0; 3], [1.0, 0.0, 0.5], [0.0, 1.0, 0.3]];
-        assert_eq!(
-            shells_of(&(positions.to_vec(), vec![[0, 1, 2], [0, 2, 1]])),
-            [TriangleComponent::Open; 2]
-        );
-        assert_eq!(
-            shells_of(&(positions.to_vec(), vec![[0, 0, 1], [2, 2, 2]])),
-            [TriangleComponent::Open; 2]
-        );
+        assert_eq!(shells_of(&(positions.to_vec(), vec![[0, 1, 2], [0, 2, 1]])), [TriangleComponent::Open; 2]);
+        assert_eq!(shells_of(&(positions.to_vec(), vec![[0, 0, 1], [2, 2, 2]])), [TriangleComponent::Open; 2]);
         assert_eq!(shells_of(&(Vec::new(), Vec::new())), []);
     }
 }

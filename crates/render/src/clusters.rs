@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use crate::bounds::BoundsF32;
 use crate::closed_components::{ClosedComponents, TriangleComponent};
+use crate::shadow_settings::Culling;
 
 /// Most triangles of a leaf. The workgroups of `bent_map_triangles.wgsl` have as many threads.
 pub(crate) const TRIANGLES_PER_LEAF: usize = 64;
@@ -93,7 +94,7 @@ pub(crate) enum BoxSelection {
 impl ClusterLeaf {
     /// Returns the kind of the leaf's component for light from `source`. A closed component counts as open if the
     /// source may be inside of it.
-    pub fn component_from(&self, source: Option<&ClusterBounds>) -> TriangleComponent {
+    fn component_from(&self, source: Option<&ClusterBounds>) -> TriangleComponent {
         if source.is_some_and(|source| self.component_bounds.touches(source)) {
             TriangleComponent::Open
         } else {
@@ -105,11 +106,7 @@ impl ClusterLeaf {
 impl Clusters {
     /// Builds the boxes around triangles in scene space, the first `opaque` of which have no alpha test. Also returns
     /// the order of the leaves' triangles: alpha-tested ones follow the others in their original order.
-    pub fn new(
-        positions: &[[f32; 3]],
-        triangles: &[[u32; 3]],
-        (opaque, stray): (usize, bool),
-    ) -> (Self, Vec<u32>) {
+    pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]], (opaque, stray): (usize, bool)) -> (Self, Vec<u32>) {
         let corners = |triangle: u32| triangles[triangle as usize].map(|k| Vec3::from(positions[k as usize]));
         let bounds = BoundsF32::of(triangles.iter().flatten().map(|&k| Vec3::from(positions[k as usize])));
         let thickness = SIDE_THICKNESS * (bounds.max - bounds.min).max_element();
@@ -118,8 +115,7 @@ impl Clusters {
             (0..INNER).find(|side| {
                 let axis = side / 2;
                 corners(triangle).iter().all(|p| {
-                    let depth =
-                        if side % 2 == 0 { p[axis] - bounds.min[axis] } else { bounds.max[axis] - p[axis] };
+                    let depth = if side % 2 == 0 { p[axis] - bounds.min[axis] } else { bounds.max[axis] - p[axis] };
                     depth <= thickness
                 })
             })
@@ -138,8 +134,7 @@ impl Clusters {
             order.extend(own);
             let own = &order[first..];
             let shell_bounds = own.iter().map(|&triangle| shells.bounds(triangle));
-            leaves_of[side]
-                .push((BoundsF32::of(own.iter().copied().flat_map(corners)), clusters.leaves.len() as u32));
+            leaves_of[side].push((BoundsF32::of(own.iter().copied().flat_map(corners)), clusters.leaves.len() as u32));
             clusters.leaves.push(ClusterLeaf {
                 triangles: first as u32..order.len() as u32,
                 component: shell,
@@ -153,11 +148,7 @@ impl Clusters {
         };
         for (index, group) in groups.iter_mut().enumerate() {
             split(group, TRIANGLES_PER_LEAF, &mut |leaf| {
-                add(
-                    index / 3,
-                    TriangleComponent::ALL[index % 3],
-                    &mut leaf.iter().map(|&(_, triangle)| triangle),
-                );
+                add(index / 3, TriangleComponent::ALL[index % 3], &mut leaf.iter().map(|&(_, triangle)| triangle));
             });
         }
         let masked: Vec<u32> = (opaque as u32..triangles.len() as u32).collect();
@@ -173,8 +164,7 @@ impl Clusters {
                 if side % 2 == 0 { (-axis, -bounds.min[side / 2]) } else { (axis, bounds.max[side / 2]) };
             (OpenSide { normal, offset: offset.into() }, ClusterTree::new(&mut leaves))
         };
-        clusters.sides =
-            sides.into_iter().enumerate().filter(|(_, leaves)| !leaves.is_empty()).map(side).collect();
+        clusters.sides = sides.into_iter().enumerate().filter(|(_, leaves)| !leaves.is_empty()).map(side).collect();
         clusters.inner = ClusterTree::new(&mut inner);
         (clusters, order)
     }
@@ -202,15 +192,34 @@ impl Clusters {
     pub fn open_sides(&self, comes_in: impl Fn(&OpenSide) -> bool) -> OpenSides {
         // Simplified casters may have surfaces behind a side.
         let open = |side: &OpenSide| self.is_simplified || comes_in(side);
-        OpenSides(
-            self.sides.iter().enumerate().filter(|(_, (side, _))| open(side)).map(|(k, _)| 1 << k).sum(),
-        )
+        OpenSides(self.sides.iter().enumerate().filter(|(_, (side, _))| open(side)).map(|(k, _)| 1 << k).sum())
     }
 
     /// Returns the trees of all casters that may cast visible shadows: the inner ones, and those in the given sides.
     pub fn casting_trees(&self, open: OpenSides) -> impl Iterator<Item = &ClusterTree> {
         let sides = self.sides.iter().enumerate().filter(move |(k, _)| open.0 >> k & 1 != 0);
         std::iter::once(&self.inner).chain(sides.map(|(_, (_, tree))| tree))
+    }
+
+    /// Passes the leaves of those casters that `select` does not skip to `take`, with their component for light from
+    /// `source`.
+    pub fn select(
+        &self,
+        open: OpenSides,
+        culling: Culling,
+        source: Option<&ClusterBounds>,
+        select: impl Fn(&ClusterBounds) -> BoxSelection,
+        mut take: impl FnMut(&ClusterLeaf, TriangleComponent),
+    ) {
+        for tree in self.casting_trees(open) {
+            tree.select(
+                |cluster| if culling.clusters { select(cluster) } else { BoxSelection::TakeAll },
+                |leaf| {
+                    let leaf = &self.leaves[leaf as usize];
+                    take(leaf, if culling.backs { leaf.component_from(source) } else { TriangleComponent::Open });
+                },
+            );
+        }
     }
 }
 
@@ -291,7 +300,7 @@ impl ClusterTree {
     }
 
     /// Passes boxes to `visit`, parents first, and the leaves that were not skipped to `take`.
-    pub fn select(&self, visit: impl Fn(&ClusterBounds) -> BoxSelection, mut take: impl FnMut(u32)) {
+    fn select(&self, visit: impl Fn(&ClusterBounds) -> BoxSelection, mut take: impl FnMut(u32)) {
         let (mut index, mut taken_to) = (0, 0);
         while let Some(node) = self.nodes.get(index) {
             let within = if index < taken_to { BoxSelection::TakeAll } else { visit(&node.cluster()) };
@@ -307,6 +316,30 @@ impl ClusterTree {
                 take(node.leaf);
             }
             index += 1;
+        }
+    }
+}
+
+/// Part of a shadow map that boxes cover.
+pub(crate) trait MapCover: Sized {
+    fn contains(&self, other: &Self) -> bool;
+    fn extend(&mut self, other: &Self);
+
+    /// Extends the cover by the boxes of leaves. `cover_of` returns the part that a box covers; `None` if it covers
+    /// none.
+    fn extend_by_leaves<'a>(
+        &mut self,
+        trees: impl Iterator<Item = &'a ClusterTree>,
+        cover_of: impl Fn(&ClusterBounds) -> Option<Self>,
+    ) {
+        for tree in trees {
+            tree.walk(|cluster, has_more| {
+                let Some(here) = cover_of(cluster) else { return false };
+                if !has_more {
+                    self.extend(&here);
+                }
+                has_more && !self.contains(&here)
+            });
         }
     }
 }
@@ -352,8 +385,7 @@ impl ClusterBounds {
 
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|k| {
-            let sign =
-                DVec3::new(f64::from(k as u8 & 1), f64::from(k as u8 >> 1 & 1), f64::from(k as u8 >> 2));
+            let sign = DVec3::new(f64::from(k as u8 & 1), f64::from(k as u8 >> 1 & 1), f64::from(k as u8 >> 2));
             self.center + self.half * (sign * 2.0 - 1.0)
         })
     }
@@ -373,8 +405,7 @@ mod tests {
     /// Checks that each triangle is in a leaf, that leaves are small, and that boxes contain their descendants.
     #[test]
     fn boxes_hold_their_triangles() {
-        let positions: Vec<[f32; 3]> =
-            (0..3000).map(|k| [0.37, 0.71, 0.19].map(|x| (x * k as f32).fract())).collect();
+        let positions: Vec<[f32; 3]> = (0..3000).map(|k| [0.37, 0.71, 0.19].map(|x| (x * k as f32).fract())).collect();
         let indices: Vec<u32> = (0..3000).collect();
         let clusters = of_opaque(&positions, &indices);
         let mut leaves = Vec::new();
@@ -407,8 +438,7 @@ mod tests {
     /// A floor under everything is in a side, with nothing behind it. A table on it is not.
     #[test]
     fn floors_are_sides() {
-        let square =
-            |y: f32, half: f32| [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, z)| [x * half, y, z * half]);
+        let square = |y: f32, half: f32| [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, z)| [x * half, y, z * half]);
         let positions = [square(-1.0, 5.0), square(1.0, 1.0), square(3.0, 0.5), square(-1.0, 2.0)].concat();
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
         let clusters = of_opaque(&positions, &indices);
@@ -418,9 +448,8 @@ mod tests {
         assert_eq!(sides, [floor, ceiling]);
         assert_eq!((floor.height(DVec3::ZERO), floor.height(DVec3::NEG_Y * 3.0)), (-1.0, 2.0));
         let stray = Clusters { is_simplified: true, ..clusters.clone() };
-        let boxes = |clusters: &Clusters, comes_in: bool| {
-            clusters.casting_trees(clusters.open_sides(|_| comes_in)).count()
-        };
+        let boxes =
+            |clusters: &Clusters, comes_in: bool| clusters.casting_trees(clusters.open_sides(|_| comes_in)).count();
         assert_eq!([boxes(&clusters, false), boxes(&clusters, true), boxes(&stray, false)], [1, 3, 3]);
     }
 }

@@ -24,26 +24,17 @@ impl Renderer {
         // The BendyLights below are straight, but must be drawn as bent ones.
         renderer.set_shadow_settings(ShadowSettings { straighten: false, ..ShadowSettings::default() })?;
         let spot = spot();
-        // Pictures of an interactive view and others.
-        let mut draw = |lights: [Light; 1]| {
-            let lights = LightInstance::numbered(lights)?;
+        let [omni, directional] =
+            [Light::omni(), Light::directional()].map(|light| light.with_transform(spot.transform()));
+        let bent = (1..=SEGMENTS).map(|segments| light::bend(&spot, segments));
+        for (number, light) in [omni, directional, spot.clone()].map(Ok).into_iter().chain(bent).enumerate() {
+            if number > 0 && !keep_going() {
+                break;
+            }
+            let lights = LightInstance::numbered([light?])?;
+            // Pictures of an interactive view and others.
             renderer.render_display(&view(), &lights)?;
-            renderer.render(&view(), &lights).map(drop)
-        };
-        for straight in [Light::omni(), Light::directional()] {
-            let straight = straight.with_transform(spot.transform());
-            draw([straight])?;
-            if !keep_going() {
-                return Ok(());
-            }
-        }
-        draw([spot.clone()])?;
-        for segments in 1..=SEGMENTS {
-            if !keep_going() {
-                return Ok(());
-            }
-            let bent = light::bend(&spot, segments)?;
-            draw([bent])?;
+            renderer.render(&view(), &lights)?;
         }
         Ok(())
     }
@@ -52,9 +43,7 @@ impl Renderer {
 /// Returns a scene of three squares: one-sided, double-sided and alpha-tested. Each is drawn by another pipeline.
 fn scene() -> Scene {
     let square = |material| Primitive {
-        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
-            .map(|(x, z)| Vec3::new(x, 0.0, z))
-            .into(),
+        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z)).into(),
         normals: vec![Vec3::Y; 4],
         indices: vec![0, 1, 2, 0, 2, 3],
         material,
@@ -64,8 +53,7 @@ fn scene() -> Scene {
     let double_sided = Material { double_sided: true, ..one_sided.clone() };
     let cut_out = Material { alpha_cutoff: Some(0.5), ..one_sided.clone() };
     let primitives = (0..3).map(square).collect();
-    let node =
-        Node { name: String::new(), parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) };
+    let node = Node { name: String::new(), parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) };
     Scene {
         materials: vec![one_sided, double_sided, cut_out],
         meshes: vec![Mesh { name: String::new(), primitives }],

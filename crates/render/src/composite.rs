@@ -1,10 +1,6 @@
 //! Sums of layers, each times its factors.
 
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, BufferUsages, CommandEncoder, RenderPipeline, TextureFormat,
-    TextureView,
-};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureFormat, TextureView};
 
 use crate::gpu_structs::TERMS;
 use crate::pipeline::{UINT_TEXTURE, UNIFORM, color_attachment};
@@ -85,11 +81,7 @@ impl CompositePass {
     }
 
     fn group(&self, gpu: &Gpu, uniform: &gpu_structs::Terms, textures: &[&TextureView]) -> BindGroup {
-        let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("terms"),
-            contents: bytemuck::bytes_of(uniform),
-            usage: BufferUsages::UNIFORM,
-        });
+        let uniform = gpu.uniform_with("terms", uniform);
         // Unused slots need a binding, too.
         let textures = textures.iter().chain(std::iter::repeat(&textures[0])).take(TERMS);
         let textures = textures.map(|texture| BindingResource::TextureView(texture));

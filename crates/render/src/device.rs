@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use relight::{Workers, YieldPolicy};
 use wgpu::{
-    Adapter, Backends, CommandEncoder, CommandEncoderDescriptor, Device, DeviceType, ErrorFilter, Features,
-    Limits, PollType, Queue,
+    Adapter, Backends, CommandEncoder, CommandEncoderDescriptor, Device, DeviceType, ErrorFilter, Features, Limits,
+    PollType, Queue,
 };
 
 use crate::stages::{FrameStage, StageRecorder};
@@ -46,12 +46,8 @@ impl Gpu {
         Self::open(MemoryBudget::default(), None)
     }
 
-    /// Opens the best device; cached data counts against `memory`.
-    pub fn with_memory_budget(memory: MemoryBudget) -> Result<Self, RenderError> {
-        Self::open(memory, None)
-    }
-
     /// Opens the best device, with shadows and lights drawn by `backend`. `None` chooses it by the kind of device.
+    /// Cached data counts against `memory`.
     pub fn open(memory: MemoryBudget, backend: Option<Backend>) -> Result<Self, RenderError> {
         let adapter = choose_adapter()?;
         let backend = backend.unwrap_or_else(|| Backend::of(&adapter));
@@ -133,10 +129,7 @@ impl Gpu {
     }
 
     /// Runs long CPU work while other workers draw.
-    pub(crate) fn run_in_background<T: Send>(
-        &self,
-        work: impl FnOnce() -> T + Send,
-    ) -> Result<T, RenderError> {
+    pub(crate) fn run_in_background<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, RenderError> {
         Ok(self.yielding.run_in_background(work)?)
     }
 
@@ -181,7 +174,7 @@ impl Gpu {
 
     /// Returns the threads of the native backend.
     pub(crate) fn workers(&self) -> &Workers {
-        self.workers.get_or_init(|| Workers::new().with_yield_policy(self.yielding.clone()))
+        self.workers.get_or_init(|| Workers::with_threads(0).with_yield_policy(self.yielding.clone()))
     }
 
     /// Returns the budget that counts cached data.
@@ -205,6 +198,12 @@ impl Gpu {
         room
     }
 
+    /// Returns an error if no picture of this device can have a side of this length.
+    pub(crate) fn check_picture_side(&self, side: u32) -> Result<(), RenderError> {
+        let limit = self.device.limits().max_texture_dimension_2d;
+        RenderError::check_size("the picture's width or height", side.into(), limit.into())
+    }
+
     pub(crate) fn encoder(&self) -> CommandEncoder {
         self.device.create_command_encoder(&CommandEncoderDescriptor::default())
     }
@@ -216,11 +215,7 @@ impl Gpu {
     }
 
     /// Ends a stage. While stages are recorded, submits it and waits; otherwise does nothing.
-    pub(crate) fn end_stage(
-        &self,
-        encoder: &mut CommandEncoder,
-        stage: FrameStage,
-    ) -> Result<(), RenderError> {
+    pub(crate) fn end_stage(&self, encoder: &mut CommandEncoder, stage: FrameStage) -> Result<(), RenderError> {
         if self.stages.is_recording() {
             self.submit_and_wait(encoder)?;
             self.stages.record_stage(stage);
@@ -237,10 +232,7 @@ impl Gpu {
     }
 
     /// Runs `work` on this thread and returns driver errors as a `RenderError`.
-    pub(crate) fn with_error_scopes<T>(
-        &self,
-        work: impl FnOnce() -> Result<T, RenderError>,
-    ) -> Result<T, RenderError> {
+    pub(crate) fn with_error_scopes<T>(&self, work: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
         let scopes = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation]
             .map(|filter| self.device.push_error_scope(filter));
         let result = work();

@@ -1,22 +1,18 @@
 //! Directional lights. The map is one orthographic picture along the rays.
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
-use light::{LightProfile, MAX_EXTENT, Parallel};
+use light::{MAX_EXTENT, Parallel};
 use scene::PosedScene;
 
+use crate::bounds::box_corners;
 use crate::camera::columns;
-use crate::clusters::{ClusterBounds, OpenSide};
+use crate::clusters::{ClusterBounds, MapCover, OpenSide};
 use crate::gpu_scene::GpuScene;
-use crate::map_views::MapViews;
-use crate::shadow_settings::MapSize;
+use crate::map_views::{
+    FittedFace, LightUniform, MARGIN_TEXELS, MapViews, PlacedLight, SMALLEST_RATIO, SMALLEST_SHARE,
+};
 use crate::{ShadowSettings, gpu_structs};
 
-/// Margin around casters in texels, so that the filter reads only texels that are drawn.
-const MARGIN_TEXELS: f64 = 2.0;
-/// Smallest share of the scene that a map covers. Neither axis covers less than a quarter of the other. Finer texels
-/// are below the rounding error of positions.
-const SMALLEST_SHARE: f64 = 1.0 / 128.0;
-const SMALLEST_RATIO: f64 = 0.25;
 /// Smallest scene size, so that its inverse is within f32.
 const SMALLEST: f64 = 1e-30;
 
@@ -24,46 +20,22 @@ const SMALLEST: f64 = 1e-30;
 /// height towards the light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectionalMapFit {
-    pub center: DVec2,
-    /// Half the size of the drawn part.
-    pub half: DVec2,
+    pub drawn: FittedFace,
     /// Heights that have depth 0 and depth 1. The whole scene is above the first height, all casters are below the
     /// second.
     pub heights: [f64; 2],
-    /// False if there are no casters: the map need not be drawn.
-    pub has_casters: bool,
 }
 
 impl DirectionalMapFit {
     /// Fit for a light that has no map.
     pub const NONE: Self =
-        Self { center: DVec2::ZERO, half: DVec2::ONE, heights: [0.0, 1.0], has_casters: false };
-}
-
-/// Directional light in a scene: its uniform, and the projection of its map.
-#[derive(Clone, Debug)]
-pub(crate) struct GpuDirectional {
-    pub uniform: gpu_structs::Directional,
-    /// Profile of the light, in f64. `uniform` has it in f32.
-    pub light_profile: LightProfile,
-    pub views: MapViews,
+        Self { drawn: FittedFace { center: DVec2::ZERO, half: DVec2::ONE, has_casters: false }, heights: [0.0, 1.0] };
 }
 
 /// Returns the world positions whose convex hull contains everything that a light can light in a scene.
 pub(crate) fn corners_in_world(parallel: &Parallel, posed: &PosedScene) -> [DVec3; 8] {
-    let window = window(parallel, posed);
-    let corner = |k: usize| {
-        let pick = |bit: usize, low: f64, high: f64| if k >> bit & 1 == 0 { low } else { high };
-        let x = pick(0, window.low.x, window.high.x);
-        let y = pick(1, window.low.y, window.high.y);
-        let height = pick(2, -window.top, window.top);
-        posed.origin_in_world + parallel.rotation * DVec3::new(x, y, height)
-    };
-    std::array::from_fn(corner)
-}
-
-pub(crate) fn map_size(shadows: &ShadowSettings) -> MapSize {
-    shadows.map_size(1)
+    let Extent { low, high, top } = window(parallel, posed);
+    box_corners(low.extend(-top), high.extend(top)).map(|corner| posed.origin_in_world + parallel.rotation * corner)
 }
 
 /// A rectangle perpendicular to the light, with the greatest height of its content.
@@ -84,7 +56,9 @@ impl Extent {
         let (low, high) = (DVec2::new(x[0], y[0]).max(window.low), DVec2::new(x[1], y[1]).min(window.high));
         low.cmple(high).all().then_some(Self { low, high, top: height[1] })
     }
+}
 
+impl MapCover for Extent {
     fn contains(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && self.high.cmpge(other.high).all() && self.top >= other.top
     }
@@ -109,7 +83,7 @@ fn window(parallel: &Parallel, posed: &PosedScene) -> Extent {
 
 /// Fits the map of a light over `scene` to the casters in its window.
 pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSettings) -> DirectionalMapFit {
-    let (side, mesh_error) = (f64::from(map_size(shadows).side), shadows.mesh_error);
+    let (side, mesh_error) = (f64::from(shadows.map_size(1).side), shadows.mesh_error);
     let grown = side / (side - 2.0 * MARGIN_TEXELS);
     let light_from_scene = parallel.rotation.transpose();
     let window = window(parallel, &scene.posed);
@@ -123,70 +97,57 @@ pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSet
     let comes_in = |side: &OpenSide| side.normal.dot(parallel.direction()) >= 0.0;
     let clusters = &scene.casters.clusters;
     let mut extent = Extent::EMPTY;
-    for tree in clusters.casting_trees(clusters.open_sides(comes_in)) {
-        tree.walk(|cluster, has_more| {
-            let Some(here) = Extent::of(cluster, &light_from_scene, &drawn) else { return false };
-            if !has_more {
-                extent.extend(&here);
-            }
-            has_more && !extent.contains(&here)
-        });
-    }
-    let casts = extent.top > f64::NEG_INFINITY;
+    extent.extend_by_leaves(clusters.casting_trees(clusters.open_sides(comes_in)), |cluster| {
+        Extent::of(cluster, &light_from_scene, &drawn)
+    });
+    let has_casters = extent.top > f64::NEG_INFINITY;
     let scene_size = scene.posed.half_extent.length().max(SMALLEST);
     let Extent { low, high, .. } =
-        if casts { extent } else { Extent { low: DVec2::ZERO, high: DVec2::ZERO, ..window } };
+        if has_casters { extent } else { Extent { low: DVec2::ZERO, high: DVec2::ZERO, ..window } };
     let half = (high - low) / 2.0;
     let least = (half.max_element() * SMALLEST_RATIO).max(scene_size * SMALLEST_SHARE);
     let bottom = -window.top.abs() - mesh_error;
     // A margin for rounding, so that no caster is clipped.
-    let top = if casts { extent.top.max(bottom) + 1e-5 * scene_size } else { bottom + scene_size };
+    let top = if has_casters { extent.top.max(bottom) + 1e-5 * scene_size } else { bottom + scene_size };
+    let half = half.max(DVec2::splat(least)) * grown;
     DirectionalMapFit {
-        center: (low + high) / 2.0,
-        half: half.max(DVec2::splat(least)) * grown,
+        drawn: FittedFace { center: (low + high) / 2.0, half, has_casters },
         heights: [bottom - 1e-5 * scene_size, top],
-        has_casters: casts,
     }
 }
 
-impl GpuDirectional {
-    /// Places a checked light within reach of a scene, with its fitted map.
-    pub fn new(
-        parallel: &Parallel,
-        scene: &GpuScene,
-        shadows: &ShadowSettings,
-        fitted: &DirectionalMapFit,
-    ) -> Self {
-        let light_from_scene = parallel.rotation.transpose();
-        let DirectionalMapFit { center, half, heights: [bottom, top], has_casters: casts } = *fitted;
-        let depth_scale = (top - bottom).recip();
-        let clip_from_light = DMat4::from_cols(
-            DVec3::X.extend(0.0) / half.x,
-            DVec3::Y.extend(0.0) / half.y,
-            DVec3::Z.extend(0.0) * depth_scale,
-            (-center / half).extend(-bottom * depth_scale).extend(1.0),
-        );
-        let light_from_scene = DMat4::from_mat3(light_from_scene);
-        // Coordinates in the window are (v, w) = (-x, y) scale + shift.
-        let scale = DVec2::from(parallel.half_size.map(|half| half.map_or(0.0, f64::recip)));
-        let [shift_x, shift_y] = (parallel.offset_in_window(scene.posed.origin_in_world) * scale).to_array();
-        Self {
-            uniform: gpu_structs::Directional {
-                light_from_scene: columns(&light_from_scene),
-                window: [scale.x, scale.y, -shift_x, shift_y].map(|x| x as f32),
-                fit: [center.x, center.y, half.x.recip(), half.y.recip()].map(|x| x as f32),
-                light_profile: (&parallel.light_profile).into(),
-                bottom: bottom as f32,
-                depth_scale: depth_scale as f32,
-                mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
-                pad0: 0.0,
-            },
-            light_profile: parallel.light_profile.clone(),
-            views: MapViews {
-                light_from_scene,
-                near: None,
-                clip_from_light: vec![casts.then_some(clip_from_light)],
-            },
-        }
+/// Places a checked light within reach of a scene, with its fitted map.
+pub(crate) fn placed(
+    parallel: &Parallel,
+    scene: &GpuScene,
+    shadows: &ShadowSettings,
+    fitted: &DirectionalMapFit,
+) -> PlacedLight {
+    let DirectionalMapFit { drawn, heights: [bottom, top] } = *fitted;
+    let FittedFace { center, half, has_casters } = drawn;
+    let depth_scale = (top - bottom).recip();
+    let clip_from_light = DMat4::from_cols(
+        DVec3::X.extend(0.0) / half.x,
+        DVec3::Y.extend(0.0) / half.y,
+        DVec3::Z.extend(0.0) * depth_scale,
+        (-center / half).extend(-bottom * depth_scale).extend(1.0),
+    );
+    let light_from_scene = DMat4::from_mat3(parallel.rotation.transpose());
+    // Coordinates in the window are (v, w) = (-x, y) scale + shift.
+    let scale = DVec2::from(parallel.half_size.map(|half| half.map_or(0.0, f64::recip)));
+    let [shift_x, shift_y] = (parallel.offset_in_window(scene.posed.origin_in_world) * scale).to_array();
+    PlacedLight {
+        uniform: LightUniform::Directional(gpu_structs::Directional {
+            light_from_scene: columns(&light_from_scene),
+            window: [scale.x, scale.y, -shift_x, shift_y].map(|x| x as f32),
+            fit: drawn.for_uniform(),
+            light_profile: (&parallel.light_profile).into(),
+            bottom: bottom as f32,
+            depth_scale: depth_scale as f32,
+            mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
+            pad0: 0.0,
+        }),
+        light_profile: parallel.light_profile.clone(),
+        views: MapViews { light_from_scene, near: None, clip_from_light: vec![has_casters.then_some(clip_from_light)] },
     }
 }

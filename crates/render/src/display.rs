@@ -1,8 +1,7 @@
 //! Converts linear radiance to bytes of a screen.
 
 use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, Buffer, CommandEncoder, RenderPipeline, TextureFormat,
-    TextureView,
+    BindGroup, BindGroupLayout, BindingResource, Buffer, CommandEncoder, RenderPipeline, TextureFormat, TextureView,
 };
 
 use crate::composite::{GpuTerms, TermKind};
@@ -52,13 +51,7 @@ impl DisplayPass {
         let layout = gpu.bind_group_layout("display", &[RAW_TEXTURE, UNIFORM]);
         let pipeline = |wgsl: &str, entry_point, groups: &[&BindGroupLayout]| {
             let pipeline_layout = gpu.pipeline_layout("display", groups);
-            gpu.fullscreen_pipeline(
-                &pipeline_layout,
-                &gpu.shader_module("display", wgsl),
-                entry_point,
-                &[FORMAT],
-                None,
-            )
+            gpu.fullscreen_pipeline(&pipeline_layout, &gpu.shader_module("display", wgsl), entry_point, &[FORMAT], None)
         };
         Self {
             pipeline: pipeline(shaders::DISPLAY, "fs_display", &[&layout]),
@@ -80,7 +73,9 @@ impl DisplayPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        (radiance, terms, exposure): (&ExposedRadiance, Option<&GpuTerms>, f64),
+        radiance: &ExposedRadiance,
+        terms: Option<&GpuTerms>,
+        exposure: f64,
         into: &TextureView,
     ) {
         let factor = exposure_factor(exposure);

@@ -8,11 +8,7 @@ const MIN_FAST_MESA: u32 = 25;
 /// Returns the name of the device, with the interface and the driver's version.
 pub(crate) fn adapter_name(info: &AdapterInfo) -> String {
     let AdapterInfo { name, backend, driver_info, .. } = info;
-    if driver_info.is_empty() {
-        format!("{name} ({backend})")
-    } else {
-        format!("{name} ({backend}, {driver_info})")
-    }
+    if driver_info.is_empty() { format!("{name} ({backend})") } else { format!("{name} ({backend}, {driver_info})") }
 }
 
 /// Returns advice, as a sentence, if another version of the driver would draw much faster.
@@ -93,10 +89,7 @@ mod tests {
     #[test]
     fn a_name_has_the_drivers_version_where_it_has_one() {
         let mesa = info("llvmpipe (LLVM 15.0.6, 256 bits)", "llvmpipe", "Mesa 22.3.6 (LLVM 15.0.6)");
-        assert_eq!(
-            adapter_name(&mesa),
-            "llvmpipe (LLVM 15.0.6, 256 bits) (vulkan, Mesa 22.3.6 (LLVM 15.0.6))"
-        );
+        assert_eq!(adapter_name(&mesa), "llvmpipe (LLVM 15.0.6, 256 bits) (vulkan, Mesa 22.3.6 (LLVM 15.0.6))");
         assert_eq!(adapter_name(&info("a device", "", "")), "a device (vulkan)");
     }
 }

@@ -58,6 +58,16 @@ pub enum RenderError {
     Light(#[from] light::LightError),
 }
 
+impl RenderError {
+    /// Returns [`Self::TooLarge`] if `size` exceeds `limit`. `what` names the thing with its unit.
+    pub(crate) fn check_size(what: &'static str, size: u64, limit: u64) -> Result<(), Self> {
+        if size > limit {
+            return Err(Self::TooLarge { what, size: size as f64, limit: limit as f64 });
+        }
+        Ok(())
+    }
+}
+
 impl From<relight::Cancelled> for RenderError {
     fn from(_: relight::Cancelled) -> Self {
         Self::Cancelled

@@ -28,7 +28,7 @@ use scene::{Camera, Projection, ViewRay};
 
 use crate::{Aov, Picture, RenderError, View};
 
-/// Origin of a picture, for its header.
+/// Session, record, scene, overrides and lights from which a picture was made, for the header of its EXR file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PictureOrigin {
     /// Name of the session or the scene.
@@ -109,11 +109,8 @@ impl ExrFile {
     /// Encodes the file with ZIP compression, on this thread alone. It takes about a second for a few million pixels.
     pub fn into_bytes(self, view: &View, origin: &PictureOrigin) -> Result<Vec<u8>, RenderError> {
         let [width, height] = self.size.map(|side| side as usize);
-        let encoding = Encoding {
-            compression: Compression::ZIP16,
-            blocks: Blocks::ScanLines,
-            line_order: LineOrder::Increasing,
-        };
+        let encoding =
+            Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
         let channels = AnyChannels::sort(self.channels.into_iter().collect());
         let layer = Layer::new((width, height), attributes(view, origin), encoding, channels);
         let mut image = Image::from_layer(layer);
@@ -143,11 +140,9 @@ fn sort_attributes(file: &mut [u8]) {
     let mut attributes: Vec<(usize, usize)> = Vec::new();
     let mut at = BEFORE_ATTRIBUTES;
     while file.get(at).is_some_and(|first| *first != 0) {
-        let text_end =
-            |from: usize| file[from..].iter().position(|byte| *byte == 0).map(|length| from + length + 1);
+        let text_end = |from: usize| file[from..].iter().position(|byte| *byte == 0).map(|length| from + length + 1);
         let value = text_end(at).and_then(text_end);
-        let length =
-            value.and_then(|value| file.get(value..value + 4)).and_then(|bytes| bytes.try_into().ok());
+        let length = value.and_then(|value| file.get(value..value + 4)).and_then(|bytes| bytes.try_into().ok());
         let (Some(value), Some(length)) = (value, length) else { return };
         let end = value + 4 + u32::from_le_bytes(length) as usize;
         attributes.push((at, end));
@@ -249,8 +244,7 @@ mod tests {
     /// Points on rays through pixels map to those pixels, and the planes to -1 and 1.
     #[test]
     fn matrices_take_points_to_their_pixels() {
-        let perspective =
-            |zfar| Projection::Perspective { yfov: 0.7, aspect_ratio: Some(2.0), znear: 0.5, zfar };
+        let perspective = |zfar| Projection::Perspective { yfov: 0.7, aspect_ratio: Some(2.0), znear: 0.5, zfar };
         let orthographic = Projection::Orthographic { ymag: 1.5, aspect_ratio: None, znear: 0.5, zfar: 40.0 };
         for projection in [perspective(None), perspective(Some(40.0)), orthographic] {
             let (camera, size, pixel) = (camera(projection), [64, 36], DVec2::new(50.0, 6.0));

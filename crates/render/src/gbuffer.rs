@@ -4,18 +4,18 @@ use glam::{DAffine3, DVec2};
 use scene::Projection;
 use wgpu::{
     BindGroup, BindGroupLayout, BindingResource, Buffer, CommandEncoder, RenderPass, RenderPipeline, Texture,
-    TextureFormat, TextureView, TextureViewDescriptor,
+    TextureFormat, TextureView,
 };
 
 use crate::gpu_scene::GpuScene;
 use crate::material::MaterialDraw;
 use crate::pass_runs::Cause;
 use crate::pipeline::{
-    DEPTH_FORMAT, RAW_TEXTURE, UINT_TEXTURE, color_attachment, depth_attachment, reversed_depth_test,
-    vertex_buffers,
+    DEPTH_FORMAT, DrawPipeline, INFINITELY_FAR, RAW_TEXTURE, UINT_TEXTURE, color_attachment, cut_into_parts,
+    depth_attachment, reversed_depth_test, vertex_buffers, whole_view,
 };
 use crate::readback::read_rows;
-use crate::tile::Tile;
+use crate::tile::{Tile, pixel_count};
 use crate::{Gpu, RenderError, readback, shaders};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
@@ -79,15 +79,22 @@ pub(crate) struct GbufferKey {
     pub sample_offset: DVec2,
 }
 
+/// Part of a picture of a scene.
+#[derive(Clone, Copy)]
+pub(crate) struct GbufferView<'a> {
+    pub scene: &'a GpuScene,
+    /// Size of the whole picture in pixels.
+    pub size: [u32; 2],
+    pub tile: Tile,
+}
+
 impl GbufferKey {
     /// Returns the cause for drawing this G-buffer after the one with the key `before`.
     pub fn cause_after(&self, before: Option<&Self>) -> Cause {
         match before {
             None => Cause::First,
             Some(before) if before.revision != self.revision => Cause::Scene,
-            Some(before) if (before.tile, before.sample_offset) != (self.tile, self.sample_offset) => {
-                Cause::NotKept
-            }
+            Some(before) if (before.tile, before.sample_offset) != (self.tile, self.sample_offset) => Cause::NotKept,
             Some(_) => Cause::Camera,
         }
     }
@@ -103,7 +110,7 @@ impl GbufferTexels {
             let colors = readback::padded_bytes([of_packed, of_offset], rows_at_once(width).min(height));
             colors.max(readback::padded_bytes([of_depth], height))
         };
-        u64::from(width) * u64::from(height) * BYTES_PER_PIXEL + staged
+        pixel_count([width, height]) * BYTES_PER_PIXEL + staged
     }
 
     /// Returns the bytes of the arrays and of the readback buffer.
@@ -146,8 +153,8 @@ impl GbufferTexels {
 
 /// True if a G-buffer of this size is read back in one piece. A larger one is read in several, with a yield after each,
 /// because the system takes long to provide new memory.
-fn fits_one_readback([width, height]: [u32; 2]) -> bool {
-    u64::from(width) * u64::from(height) * BYTES_PER_PIXEL <= u64::from(STAGED_BYTES)
+fn fits_one_readback(size: [u32; 2]) -> bool {
+    pixel_count(size) * BYTES_PER_PIXEL <= u64::from(STAGED_BYTES)
 }
 
 /// Returns the number of rows per readback of a G-buffer that is read in several pieces. The depth is read separately.
@@ -161,38 +168,21 @@ impl GbufferPass {
         let layout = gpu.pipeline_layout("gbuffer", &[view_layout, material_layout]);
         let module = gpu.shader_module("gbuffer", shaders::GBUFFER);
         let pipeline = |[is_colored, is_shiny, is_tested]: [f64; 3], cull_mode| {
-            let compilation_options = wgpu::PipelineCompilationOptions {
-                constants: &[("is_colored", is_colored), ("is_shiny", is_shiny), ("is_tested", is_tested)],
-                ..Default::default()
-            };
-            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("gbuffer"),
+            gpu.draw_pipeline(DrawPipeline {
                 layout: Some(&layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("vs_gbuffer"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &vertex_buffers()[..1],
-                },
-                primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
+                constants: &[("is_colored", is_colored), ("is_shiny", is_shiny), ("is_tested", is_tested)],
+                vertex_buffers: &vertex_buffers()[..1],
+                cull_mode,
                 depth_stencil: Some(reversed_depth_test()),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("fs_gbuffer"),
-                    compilation_options,
-                    targets: &[Some(FORMAT.into()), Some(OFFSET_FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
+                targets: &[Some(FORMAT.into()), Some(OFFSET_FORMAT.into())],
+                ..DrawPipeline::new("gbuffer", &module, "vs_gbuffer", Some("fs_gbuffer"))
             })
         };
         Self {
             pipelines: [0.0, 1.0].map(|is_colored| {
                 [0.0, 1.0].map(|is_shiny| {
                     [0.0, 1.0].map(|is_tested| {
-                        [Some(wgpu::Face::Back), None]
-                            .map(|culled| pipeline([is_colored, is_shiny, is_tested], culled))
+                        [Some(wgpu::Face::Back), None].map(|culled| pipeline([is_colored, is_shiny, is_tested], culled))
                     })
                 })
             }),
@@ -201,26 +191,23 @@ impl GbufferPass {
     }
 
     pub fn targets(&self, gpu: &Gpu, width: u32, height: u32) -> GbufferTextures {
-        let textures =
-            [FORMAT, OFFSET_FORMAT, DEPTH_FORMAT].map(|format| gpu.target("gbuffer", width, height, format));
-        let [packed, offset, depth] =
-            textures.each_ref().map(|texture| texture.create_view(&TextureViewDescriptor::default()));
+        let textures = [FORMAT, OFFSET_FORMAT, DEPTH_FORMAT].map(|format| gpu.target("gbuffer", width, height, format));
+        let [packed, offset, depth] = textures.each_ref().map(whole_view);
         let resources = [&packed, &depth, &offset].map(BindingResource::TextureView);
         let surface = gpu.bind_group("surface", &self.surface_layout, &resources);
         GbufferTextures { packed, offset, depth, textures, surface }
     }
 
-    /// Draws the surfaces of the pixels of `tile` in a picture of `size`. The projection covers the whole picture, and
-    /// pixels outside the tile are clipped, so tiles have the same content as the whole. A software driver draws in
+    /// Draws the surfaces of the pixels of the tile. The projection covers the whole picture, and pixels outside the tile are clipped, so tiles have the same content as the whole. A software driver draws in
     /// bands of rows. Scenes with a great depth complexity are drawn in parts of the triangles. It yields after each.
     pub fn draw(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         into: &GbufferTextures,
-        (size, tile): ([u32; 2], Tile),
-        scene: &GpuScene,
+        shown: GbufferView,
     ) -> Result<(), RenderError> {
+        let GbufferView { scene, tile, .. } = shown;
         // The cost of a band includes all triangles, each about that of a pixel.
         let least_pixels = BAND_PIXELS.max(scene.triangle_count);
         let rows = (least_pixels / tile.width.max(1)).next_multiple_of(BAND_STEP).max(BAND_STEP);
@@ -228,7 +215,7 @@ impl GbufferPass {
         for first in (0..tile.height).step_by(rows as usize) {
             let band = [first, rows.min(tile.height - first)];
             let is_whole = band[1] == tile.height;
-            self.draw_band(gpu, encoder, into, (size, tile, band), scene)?;
+            self.draw_band(gpu, encoder, into, shown, band)?;
             if !is_whole {
                 gpu.submit_and_wait(encoder)?;
                 gpu.yield_point()?;
@@ -243,31 +230,22 @@ impl GbufferPass {
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         into: &GbufferTextures,
-        (size, tile, band): ([u32; 2], Tile, [u32; 2]),
-        scene: &GpuScene,
+        shown: GbufferView,
+        band: [u32; 2],
     ) -> Result<(), RenderError> {
-        let parts = scene.part_count(gpu, u64::from(tile.width) * u64::from(band[1]));
-        let most_indices = if parts == 1 { u32::MAX } else { 3 * (scene.triangle_count / parts).max(1) };
-        let mut left = most_indices;
-        let onto = (size, tile, band);
-        let mut pass = begin(encoder, into, onto, scene, band[0] == 0);
-        for draw in &scene.draws {
+        let GbufferView { scene, tile, .. } = shown;
+        let parts = scene.part_count(gpu, pixel_count([tile.width, band[1]]));
+        let mut pass = begin(encoder, into, shown, band, band[0] == 0);
+        let draws = scene.draws.iter().map(|draw| (draw, draw.indices.clone()));
+        for (draw, indices, ends_part) in cut_into_parts(draws, parts) {
             self.bind(&mut pass, draw);
-            let mut indices = draw.indices.clone();
-            while !indices.is_empty() {
-                let end = indices.end.min(indices.start.saturating_add(left));
-                let first_triangle = indices.start / 3;
-                pass.draw_indexed(indices.start..end, 0, first_triangle..first_triangle + 1);
-                left -= end - indices.start;
-                indices.start = end;
-                if left == 0 {
-                    drop(pass);
-                    gpu.submit_and_wait(encoder)?;
-                    gpu.yield_point()?;
-                    pass = begin(encoder, into, onto, scene, false);
-                    self.bind(&mut pass, draw);
-                    left = most_indices;
-                }
+            let first_triangle = indices.start / 3;
+            pass.draw_indexed(indices, 0, first_triangle..first_triangle + 1);
+            if ends_part {
+                drop(pass);
+                gpu.submit_and_wait(encoder)?;
+                gpu.yield_point()?;
+                pass = begin(encoder, into, shown, band, false);
             }
         }
         Ok(())
@@ -275,8 +253,8 @@ impl GbufferPass {
 
     fn bind(&self, pass: &mut RenderPass, draw: &MaterialDraw) {
         let [colored, shiny] = draw.has_textures.map(usize::from);
-        let [masked, double_sided] = [draw.is_alpha_tested, draw.double_sided].map(usize::from);
-        pass.set_pipeline(&self.pipelines[colored][shiny][masked][double_sided]);
+        let [alpha_tested, double_sided] = [draw.is_alpha_tested, draw.double_sided].map(usize::from);
+        pass.set_pipeline(&self.pipelines[colored][shiny][alpha_tested][double_sided]);
         pass.set_bind_group(1, &draw.material, &[]);
     }
 }
@@ -285,14 +263,14 @@ impl GbufferPass {
 fn begin<'e>(
     encoder: &'e mut CommandEncoder,
     into: &GbufferTextures,
-    (size, tile, [first, rows]): ([u32; 2], Tile, [u32; 2]),
-    scene: &GpuScene,
+    GbufferView { scene, size, tile }: GbufferView,
+    [first, rows]: [u32; 2],
     clears: bool,
 ) -> RenderPass<'e> {
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("gbuffer"),
         color_attachments: &[&into.packed, &into.offset].map(|target| Some(color_attachment(target, clears))),
-        depth_stencil_attachment: Some(depth_attachment(&into.depth, clears)),
+        depth_stencil_attachment: Some(depth_attachment(&into.depth, clears.then_some(INFINITELY_FAR))),
         ..Default::default()
     });
     let [left, top, width, height] =

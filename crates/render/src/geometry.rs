@@ -6,7 +6,6 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3, Vec4};
 use light::MAX_EXTENT;
 use scene::{Material, PosedPrimitive, PosedScene};
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
 use crate::hierarchy::Hierarchy;
@@ -59,34 +58,24 @@ impl Vertices {
     pub fn new(scene: &PosedScene) -> Result<Self, RenderError> {
         let reach = scene.half_extent.max_element();
         if !(reach <= MAX_EXTENT && scene.origin_in_world.is_finite()) {
-            return Err(RenderError::TooLarge {
-                what: "half the scene's size",
-                size: reach,
-                limit: MAX_EXTENT,
-            });
+            return Err(RenderError::TooLarge { what: "half the scene's size", size: reach, limit: MAX_EXTENT });
         }
         let mut vertices = Self::default();
         let mut primitives: Vec<_> = scene.primitives.iter().enumerate().collect();
-        primitives
-            .sort_by_key(|(_, posed)| draw_order(&scene.scene.materials, scene.geometry(posed).material));
-        for primitive in primitives {
-            vertices.add(scene, primitive)?;
+        primitives.sort_by_key(|(_, posed)| draw_order(&scene.scene.materials, scene.geometry(posed).material));
+        for (number, primitive) in primitives {
+            vertices.add(scene, number, primitive)?;
         }
         Ok(vertices)
     }
 
-    fn add(
-        &mut self,
-        scene: &PosedScene,
-        (index, posed): (usize, &PosedPrimitive),
-    ) -> Result<(), RenderError> {
+    fn add(&mut self, scene: &PosedScene, number: usize, posed: &PosedPrimitive) -> Result<(), RenderError> {
         let primitive = scene.geometry(posed);
-        let too_many = |count: usize| RenderError::TooLarge {
-            what: "the number of vertices or indices",
-            size: count as f64,
-            limit: f64::from(u32::MAX),
+        let index = |count: usize| {
+            RenderError::check_size("the number of vertices or indices", count as u64, u32::MAX.into())?;
+            Ok::<_, RenderError>(count as u32)
         };
-        let first_vertex = u32::try_from(self.positions.len()).map_err(|_| too_many(self.positions.len()))?;
+        let first_vertex = index(self.positions.len())?;
         let normal_matrix = posed.normal_matrix();
         let positions = &scene.positions[posed.first_vertex..][..primitive.positions.len()];
         self.positions.extend(positions.iter().map(|position| position.as_vec3().to_array()));
@@ -97,15 +86,15 @@ impl Vertices {
                 color: primitive.colors.get(i).map_or([1.0; 4], Vec4::to_array),
             });
         }
-        let first_index = u32::try_from(self.indices.len()).map_err(|_| too_many(self.indices.len()))?;
+        let first_index = index(self.indices.len())?;
         for triangle in scene.triangles(posed) {
             let corners = triangle.map(|k| first_vertex + k);
             self.indices.extend(corners);
             self.planes.push(plane(corners.map(|k| self.positions[k as usize])));
         }
-        let end = u32::try_from(self.indices.len()).map_err(|_| too_many(self.indices.len()))?;
+        let end = index(self.indices.len())?;
         let indices = first_index..end;
-        self.runs.push(DrawRun { node: posed.node, primitive: index, first_vertex, indices });
+        self.runs.push(DrawRun { node: posed.node, primitive: number, first_vertex, indices });
         match self.draws.last_mut() {
             Some(draw) if draw.material == primitive.material => draw.indices.end = end,
             _ => self.draws.push(MaterialRange { material: primitive.material, indices: first_index..end }),
@@ -179,33 +168,19 @@ impl Geometry {
     pub fn new(gpu: &Gpu, vertices: Vertices) -> Result<Self, RenderError> {
         let hierarchy =
             gpu.run_in_background(|| Hierarchy::new(&vertices.positions, vertices.indices.as_chunks().0))?;
-        let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX;
+        let storage = BufferUsages::STORAGE;
+        let (geometry, indices) = (storage | BufferUsages::VERTEX, storage | BufferUsages::INDEX);
         Ok(Self {
             positions: upload(gpu, "the scene's vertex positions in bytes", &vertices.positions, geometry)?,
-            attributes: upload(
-                gpu,
-                "the scene's vertex attributes in bytes",
-                &vertices.attributes,
-                geometry,
-            )?,
-            indices: upload(
-                gpu,
-                "the scene's triangle indices in bytes",
-                &vertices.indices,
-                BufferUsages::STORAGE | BufferUsages::INDEX,
-            )?,
-            planes: upload(gpu, "the scene's triangles in bytes", &vertices.planes, BufferUsages::STORAGE)?,
-            hierarchy: upload(
-                gpu,
-                "the boxes around the scene's triangles in bytes",
-                &hierarchy.nodes,
-                BufferUsages::STORAGE,
-            )?,
+            attributes: upload(gpu, "the scene's vertex attributes in bytes", &vertices.attributes, geometry)?,
+            indices: upload(gpu, "the scene's triangle indices in bytes", &vertices.indices, indices)?,
+            planes: upload(gpu, "the scene's triangles in bytes", &vertices.planes, storage)?,
+            hierarchy: upload(gpu, "the boxes around the scene's triangles in bytes", &hierarchy.nodes, storage)?,
             hierarchy_triangles: upload(
                 gpu,
                 "the order of the scene's triangles in bytes",
                 &hierarchy.triangles,
-                BufferUsages::STORAGE,
+                storage,
             )?,
             host: gpu.if_native(|| Arc::new(HostGeometry { vertices, hierarchy })),
         })
@@ -222,20 +197,19 @@ pub(crate) fn upload<T: bytemuck::Pod>(
     let bytes: &[u8] = bytemuck::cast_slice(data);
     let limits = gpu.device.limits();
     let limit = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-    if bytes.len() as u64 > limit {
-        return Err(RenderError::TooLarge { what, size: bytes.len() as f64, limit: limit as f64 });
-    }
+    RenderError::check_size(what, bytes.len() as u64, limit)?;
     // An empty scene has buffers, too, because a binding must not be empty.
     let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
-    Ok(gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(what), contents, usage }))
+    Ok(gpu.buffer_with(what, contents, usage))
 }
 
 #[cfg(test)]
 mod tests {
     use glam::{DAffine3, DVec3};
-    use scene::{Mesh, Node, Primitive, Scene};
+    use scene::{Primitive, Scene};
 
     use super::*;
+    use crate::bendy_light::tests::add_mesh;
 
     /// Returns a triangle in the plane z = 0 that faces +z, transformed by `world_from_local`.
     fn scene_with(world_from_local: DAffine3) -> Scene {
@@ -245,17 +219,9 @@ mod tests {
             indices: vec![0, 1, 2],
             ..Primitive::default()
         };
-        Scene {
-            nodes: vec![Node {
-                name: String::new(),
-                parent: None,
-                parent_from_local: world_from_local,
-                mesh: Some(0),
-            }],
-            meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
-            materials: vec![Material::default()],
-            ..Scene::default()
-        }
+        let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+        add_mesh(&mut scene, primitive, world_from_local);
+        scene
     }
 
     fn of(scene: Scene) -> Result<Vertices, RenderError> {
@@ -288,10 +254,8 @@ mod tests {
     #[test]
     fn far_from_the_world_origin_nothing_is_lost() {
         let offset = DVec3::new(1e6, -2e6, 3e6);
-        let (near, far) = (
-            of(scene_with(DAffine3::IDENTITY)).unwrap(),
-            of(scene_with(DAffine3::from_translation(offset))).unwrap(),
-        );
+        let (near, far) =
+            (of(scene_with(DAffine3::IDENTITY)).unwrap(), of(scene_with(DAffine3::from_translation(offset))).unwrap());
         assert_eq!(near.positions, far.positions);
     }
 
@@ -302,17 +266,13 @@ mod tests {
     }
 
     #[test]
-    fn masked_draws_come_last_and_equal_materials_merge() {
+    fn alpha_tested_draws_come_last_and_equal_materials_merge() {
         let mut scene = scene_with(DAffine3::IDENTITY);
-        scene.materials =
-            vec![Material { alpha_cutoff: Some(0.5), ..Material::default() }, Material::default()];
-        let masked = scene.meshes[0].primitives[0].clone();
-        let opaque = Primitive { material: 1, ..masked.clone() };
-        scene.meshes[0].primitives = vec![opaque.clone(), masked, opaque];
+        scene.materials = vec![Material { alpha_cutoff: Some(0.5), ..Material::default() }, Material::default()];
+        let alpha_tested = scene.meshes[0].primitives[0].clone();
+        let opaque = Primitive { material: 1, ..alpha_tested.clone() };
+        scene.meshes[0].primitives = vec![opaque.clone(), alpha_tested, opaque];
         let draws = of(scene).unwrap().draws;
-        assert_eq!(
-            draws,
-            [MaterialRange { material: 1, indices: 0..6 }, MaterialRange { material: 0, indices: 6..9 }]
-        );
+        assert_eq!(draws, [MaterialRange { material: 1, indices: 0..6 }, MaterialRange { material: 0, indices: 6..9 }]);
     }
 }

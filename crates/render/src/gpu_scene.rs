@@ -4,8 +4,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use scene::PosedScene;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
+use wgpu::{BindGroup, BindGroupLayout, Buffer};
 
 use crate::alpha_test::GpuAlphaTests;
 use crate::casters::{CasterSet, Casters};
@@ -111,8 +110,7 @@ impl GpuScene {
         mesh_error: f64,
     ) -> Result<Self, RenderError> {
         let UploadedScene { geometry, alpha_tests, no_tests, .. } = &*uploaded.0;
-        let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles, .. } =
-            geometry;
+        let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles, .. } = geometry;
         let tests = alpha_tests.as_ref().or(no_tests.as_ref()).expect("one of them is there");
         let view_resources = [view_uniform, planes, positions, indices, attributes]
             .into_iter()
@@ -143,8 +141,7 @@ impl SceneOnDevice {
         mesh_error: f64,
     ) -> Result<Self, RenderError> {
         let (scene, mut vertices) = (&posed.scene, gpu.run_in_background(|| Vertices::new(posed))??);
-        let opaque =
-            vertices.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
+        let opaque = vertices.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
         let opaque_indices = opaque.map_or(0, |draw| draw.indices.end);
         let Materials { draws, alpha_tests, texture_bytes } =
             Materials::new(gpu, &group_layouts.material, scene, &vertices.draws)?;
@@ -155,19 +152,14 @@ impl SceneOnDevice {
         let (triangle_count, runs) = (vertices.planes.len() as u32, std::mem::take(&mut vertices.runs));
         let geometry = Geometry::new(gpu, vertices)?;
         gpu.yield_point()?;
-        let fill_uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("fill"),
-            contents: bytemuck::bytes_of(&gpu_structs::Fill {
-                sky: scene.fill.sky.as_vec3().to_array(),
-                ground: scene.fill.ground.as_vec3().to_array(),
-                ..gpu_structs::Fill::default()
-            }),
-            usage: BufferUsages::UNIFORM,
-        });
-        let bytes = texture_bytes
-            + geometry.bytes()
-            + casters.bytes()
-            + alpha_tests.as_ref().map_or(0, GpuAlphaTests::bytes);
+        let fill = gpu_structs::Fill {
+            sky: scene.fill.sky.as_vec3().to_array(),
+            ground: scene.fill.ground.as_vec3().to_array(),
+            ..gpu_structs::Fill::default()
+        };
+        let fill_uniform = gpu.uniform_with("fill", &fill);
+        let bytes =
+            texture_bytes + geometry.bytes() + casters.bytes() + alpha_tests.as_ref().map_or(0, GpuAlphaTests::bytes);
         Ok(Self(Arc::new(UploadedScene {
             posed: Arc::clone(posed),
             geometry,

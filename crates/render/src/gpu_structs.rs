@@ -2,55 +2,38 @@
 
 use glam::DVec3;
 
-/// Declares a struct in WGSL layout. Fields whose names begin with `pad` are gaps that WGSL adds by itself.
-macro_rules! gpu_struct {
-    ($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty,)* }) => {
-        $(#[$doc])*
-        #[repr(C)]
-        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-        pub(crate) struct $name {
-            $(pub $field: $type,)*
-        }
+/// Declares structs in WGSL layout. Fields whose names begin with `pad` are gaps that WGSL adds by itself.
+macro_rules! gpu_structs {
+    ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty,)* })*) => {
+        $(
+            $(#[$doc])*
+            #[repr(C)]
+            #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+            pub(crate) struct $name {
+                $(pub $field: $type,)*
+            }
+        )*
 
+        /// Layouts of all these structs.
         #[cfg(test)]
-        impl $name {
-            /// Name, size, and the name and offset of each field.
-            pub const LAYOUT: $crate::gpu_structs::StructLayout = (
-                stringify!($name),
-                size_of::<$name>(),
-                &[$((stringify!($field), std::mem::offset_of!($name, $field)),)*],
-            );
-        }
+        pub(crate) const LAYOUTS: &[$crate::gpu_structs::StructLayout] = &[$((
+            stringify!($name),
+            size_of::<$name>(),
+            &[$((stringify!($field), std::mem::offset_of!($name, $field)),)*],
+        ),)*];
     };
 }
 
-pub(crate) use gpu_struct;
+pub(crate) use gpu_structs;
 
 /// Name, size, and the name and offset of each field.
 #[cfg(test)]
 pub(crate) type StructLayout = (&'static str, usize, &'static [(&'static str, usize)]);
 
-/// All structs of this file, for the layout test.
-#[cfg(test)]
-pub(crate) const ALL: &[StructLayout] = &[
-    View::LAYOUT,
-    Material::LAYOUT,
-    AlphaTest::LAYOUT,
-    Fill::LAYOUT,
-    Exposure::LAYOUT,
-    ShadowView::LAYOUT,
-    LightProfile::LAYOUT,
-    Terms::LAYOUT,
-    Spot::LAYOUT,
-    Omni::LAYOUT,
-    Directional::LAYOUT,
-    HierarchyNode::LAYOUT,
-];
-
 /// Columns of a 4 x 4 matrix.
 pub(crate) type Mat4 = [[f32; 4]; 4];
 
-gpu_struct! {
+gpu_structs! {
     /// Uniform of a view in `view.wgsl`: the camera, and the rays through the pixels of a picture.
     View {
         clip_from_scene: Mat4,
@@ -70,9 +53,7 @@ gpu_struct! {
         tile_origin: [f32; 2],
         pad4: [f32; 2],
     }
-}
 
-gpu_struct! {
     /// Node of the bounding-volume hierarchy over a scene's triangles, in `nearby.wgsl`. Nodes are in depth-first
     /// order.
     HierarchyNode {
@@ -81,9 +62,7 @@ gpu_struct! {
         max: [f32; 3],
         next: u32,
     }
-}
 
-gpu_struct! {
     /// Uniform of a glTF material in `material.wgsl`, without its textures.
     Material {
         base_color: [f32; 4],
@@ -92,11 +71,9 @@ gpu_struct! {
         alpha_cutoff: f32,
         pad0: f32,
     }
-}
 
-gpu_struct! {
-    /// Alpha test of a material's triangles in `alpha_test.wgsl`: the triangles, the cutoff, and the texture's place
-    /// and wrap modes.
+    /// Alpha test of a material's triangles in `alpha_test.wgsl`: the triangles, the cutoff, and the offset, size and
+    /// wrap modes of the texture, which lies in one buffer with all others.
     AlphaTest {
         first_triangle: u32,
         first_index: u32,
@@ -109,9 +86,7 @@ gpu_struct! {
         wrap_v: u32,
         nearest: u32,
     }
-}
 
-gpu_struct! {
     /// Uniform of the scene's fill light in `fill.wgsl`: a hemisphere from `ground` to `sky`.
     Fill {
         sky: [f32; 3],
@@ -119,41 +94,18 @@ gpu_struct! {
         ground: [f32; 3],
         pad1: f32,
     }
-}
 
-gpu_struct! {
     /// Uniform of the exposure in `display.wgsl`.
     Exposure {
         factor: f32,
         brightest: f32,
     }
-}
 
-gpu_struct! {
     /// Uniform of one face of a straight light's shadow map in `shadow.wgsl`.
     ShadowView {
         clip_from_scene: Mat4,
     }
-}
 
-/// Length of the array of faces in `spot.wgsl`.
-pub(crate) const SPOT_FACES: usize = 5;
-
-/// Length of the array of pieces in `profile.wgsl`: one more than the most knots.
-pub(crate) const RADIAL_PIECES: usize = light::MAX_KNOTS + 1;
-
-/// Most layers or sums that one pass adds up, in `terms.wgsl`. Together with the fill this stays below every device's
-/// limit of bindings. If there are more layers, intermediate sums are less work.
-pub(crate) const TERMS: usize = 8;
-
-/// Piece of a periodic curve that fills unused entries: it begins beyond all angles.
-const NO_PIECE: [f32; 4] = [LARGE as f32, 1.0, 1.0, 0.0];
-
-/// Limit for numbers that f64 can hold and f32 cannot. A ramp as steep as this is a step in f32, and `profile.wgsl`
-/// keeps light as strong as this within f32.
-pub(crate) const LARGE: f64 = 1e30;
-
-gpu_struct! {
     /// Falloff of a light in `profile.wgsl`: `light::LightProfile` in f32.
     LightProfile {
         tint: [f32; 3],
@@ -172,7 +124,69 @@ gpu_struct! {
         pad0: f32,
         radial: [[f32; 4]; RADIAL_PIECES],
     }
+
+    /// Uniform of a sum of layers in `terms.wgsl`: the number of terms, and the factors of each.
+    Terms {
+        diffuse: [[f32; 4]; TERMS],
+        specular: [[f32; 4]; TERMS],
+        count: u32,
+        pad0: [u32; 3],
+    }
+
+    /// Uniform of a spotlight in `cone.wgsl`.
+    Spot {
+        light_from_scene: Mat4,
+        light_profile: LightProfile,
+        tan_outer: f32,
+        range: f32,
+        shadow_near: f32,
+        mesh_error: f32,
+        fits: [[f32; 4]; SPOT_FACES],
+    }
+
+    /// Uniform of an omni light in `omni.wgsl`.
+    Omni {
+        light_from_scene: Mat4,
+        light_profile: LightProfile,
+        range: f32,
+        shadow_near: f32,
+        mesh_error: f32,
+        pad0: f32,
+        fits: [[f32; 4]; OMNI_FACES],
+    }
+
+    /// Uniform of a directional light in `parallel.wgsl`.
+    Directional {
+        light_from_scene: Mat4,
+        window: [f32; 4],
+        fit: [f32; 4],
+        light_profile: LightProfile,
+        bottom: f32,
+        depth_scale: f32,
+        mesh_error: f32,
+        pad0: f32,
+    }
 }
+
+/// Length of the array of faces in `omni.wgsl`.
+pub(crate) const OMNI_FACES: usize = 6;
+
+/// Length of the array of faces in `spot.wgsl`.
+pub(crate) const SPOT_FACES: usize = 5;
+
+/// Length of the array of pieces in `profile.wgsl`: one more than the most knots.
+pub(crate) const RADIAL_PIECES: usize = light::MAX_KNOTS + 1;
+
+/// Most layers or sums that one pass adds up, in `terms.wgsl`. Together with the fill this stays below every device's
+/// limit of bindings. If there are more layers, intermediate sums are less work.
+pub(crate) const TERMS: usize = 8;
+
+/// Piece of a periodic curve that fills unused entries: it begins beyond all angles.
+const NO_PIECE: [f32; 4] = [LARGE as f32, 1.0, 1.0, 0.0];
+
+/// Limit for numbers that f64 can hold and f32 cannot. A ramp as steep as this is a step in f32, and `profile.wgsl`
+/// keeps light as strong as this within f32.
+pub(crate) const LARGE: f64 = 1e30;
 
 impl From<&light::LightProfile> for LightProfile {
     fn from(filter: &light::LightProfile) -> Self {
@@ -195,8 +209,7 @@ impl From<&light::LightProfile> for LightProfile {
         let mut pieces = [NO_PIECE; RADIAL_PIECES];
         for (slot, piece) in pieces.iter_mut().zip(&radial.pieces) {
             let [from, to] = piece.values;
-            *slot =
-                [piece.start_degrees, from, to, piece.inverse_length].map(|value| value.min(LARGE) as f32);
+            *slot = [piece.start_degrees, from, to, piece.inverse_length].map(|value| value.min(LARGE) as f32);
         }
         let f32s = |values: [f64; 2]| values.map(|value| value.clamp(-LARGE, LARGE) as f32);
         Self {
@@ -216,55 +229,5 @@ impl From<&light::LightProfile> for LightProfile {
             radial: pieces,
             inverse_span: profile.inverse_span.min(LARGE) as f32,
         }
-    }
-}
-
-gpu_struct! {
-    /// Uniform of a sum of layers in `terms.wgsl`: the number of terms, and the factors of each.
-    Terms {
-        diffuse: [[f32; 4]; TERMS],
-        specular: [[f32; 4]; TERMS],
-        count: u32,
-        pad0: [u32; 3],
-    }
-}
-
-gpu_struct! {
-    /// Uniform of a spotlight in `cone.wgsl`.
-    Spot {
-        light_from_scene: Mat4,
-        light_profile: LightProfile,
-        tan_outer: f32,
-        range: f32,
-        shadow_near: f32,
-        mesh_error: f32,
-        fits: [[f32; 4]; SPOT_FACES],
-    }
-}
-
-gpu_struct! {
-    /// Uniform of an omni light in `omni.wgsl`.
-    Omni {
-        light_from_scene: Mat4,
-        light_profile: LightProfile,
-        range: f32,
-        shadow_near: f32,
-        mesh_error: f32,
-        pad0: f32,
-        fits: [[f32; 4]; crate::omni_faces::FACES],
-    }
-}
-
-gpu_struct! {
-    /// Uniform of a directional light in `parallel.wgsl`.
-    Directional {
-        light_from_scene: Mat4,
-        window: [f32; 4],
-        fit: [f32; 4],
-        light_profile: LightProfile,
-        bottom: f32,
-        depth_scale: f32,
-        mesh_error: f32,
-        pad0: f32,
     }
 }

@@ -14,8 +14,7 @@ pub(crate) struct Hierarchy {
 
 /// Only node of the hierarchy of a scene without triangles. No ray meets it. It exists because a binding must not be
 /// empty.
-const NOWHERE: HierarchyNode =
-    HierarchyNode { min: [f32::MAX; 3], triangle_count: 0, max: [f32::MIN; 3], next: 1 };
+const NOWHERE: HierarchyNode = HierarchyNode { min: [f32::MAX; 3], triangle_count: 0, max: [f32::MIN; 3], next: 1 };
 
 impl Hierarchy {
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {

@@ -6,7 +6,7 @@ use glam::{DMat3, DMat4, DVec3};
 
 use crate::casters::Casters;
 use crate::closed_components::TriangleComponent;
-use crate::clusters::{BoxSelection, ClusterBounds, ClusterLeaf};
+use crate::clusters::{ClusterBounds, ClusterLeaf};
 use crate::gpu_structs::Mat4;
 use crate::shadow_settings::Culling;
 
@@ -24,12 +24,12 @@ pub(crate) fn visible_runs(
 ) -> Vec<(Range<u32>, TriangleComponent)> {
     let mirrored = is_mirrored(&in_f64(clip_from_scene));
     let mut runs: Vec<(Range<u32>, TriangleComponent)> = Vec::new();
-    leaves_in_view(casters, clip_from_scene, source, culling, |leaf, shell| {
+    leaves_in_view(casters, clip_from_scene, source, culling, |leaf, component| {
         let indices = 3 * leaf.triangles.start..3 * leaf.triangles.end;
-        let shell = if mirrored { shell.mirrored() } else { shell };
+        let component = if mirrored { component.mirrored() } else { component };
         match runs.last_mut() {
-            Some((run, same)) if run.end == indices.start && *same == shell => run.end = indices.end,
-            _ => runs.push((indices, shell)),
+            Some((run, same)) if run.end == indices.start && *same == component => run.end = indices.end,
+            _ => runs.push((indices, component)),
         }
     });
     runs
@@ -50,26 +50,17 @@ pub(crate) fn leaves_in_view(
         ClusterBounds { center, half }
     });
     let clusters = &casters.clusters;
-    for tree in clusters.casting_trees(clusters.open_sides(|_| true)) {
-        tree.select(
-            |cluster| {
-                if culling.clusters { cluster.select_by_planes(&planes, 0.0) } else { BoxSelection::TakeAll }
-            },
-            |leaf| {
-                let leaf = &clusters.leaves[leaf as usize];
-                if 3 * leaf.triangles.end <= casters.opaque_indices {
-                    take(
-                        leaf,
-                        if culling.backs {
-                            leaf.component_from(source.as_ref())
-                        } else {
-                            TriangleComponent::Open
-                        },
-                    );
-                }
-            },
-        );
-    }
+    clusters.select(
+        clusters.open_sides(|_| true),
+        culling,
+        source.as_ref(),
+        |cluster| cluster.select_by_planes(&planes, 0.0),
+        |leaf, component| {
+            if 3 * leaf.triangles.end <= casters.opaque_indices {
+                take(leaf, component);
+            }
+        },
+    );
 }
 
 fn in_f64(matrix: &Mat4) -> DMat4 {

@@ -12,15 +12,14 @@ use glam::DVec3;
 use light::{CheckedLight, LightDigest, LightId, LightInstance};
 use scene::MapScale;
 
-use crate::camera::CameraRaster;
 use crate::composite::GpuTerm;
-use crate::gpu_scene::GpuScene;
 use crate::gpu_structs::{LARGE, TERMS};
 use crate::lights::{ReadyLight, ShadowMaps, reachable_pixels};
 use crate::memory::{Evictable, MemoryKind};
 use crate::pass_runs::{Cause, Pass, PassRuns};
+use crate::passes::DrawContext;
 use crate::pause::{DrawnPiece, Pause};
-use crate::tile::Tile;
+use crate::tile::{Tile, area, pixel_count};
 use crate::{Gpu, RenderError};
 
 /// Number of layers or sums that are added to an intermediate sum. If one of 64 lights moves, its layer is added to
@@ -44,8 +43,8 @@ pub(crate) trait LayerPainter {
     fn ready_light(
         &mut self,
         shadow_maps: &mut ShadowMaps,
-        raster: &CameraRaster,
-        light: (&LightInstance, MapScale),
+        light: &LightInstance,
+        scale: MapScale,
     ) -> Result<Option<ReadyLight<Self::Light>>, RenderError>;
 
     /// Draws the contribution of `light` to `pixels`, `[x, y, width, height]`, and zero elsewhere. Reuses the storage
@@ -100,9 +99,7 @@ struct KeptSum<Sum> {
 }
 
 pub(crate) struct LayerWork<'a> {
-    pub gpu: &'a Gpu,
-    pub scene: &'a GpuScene,
-    pub raster: &'a CameraRaster,
+    pub context: DrawContext<'a>,
     /// In pixels.
     pub size: [u32; 2],
     pub shadow_map: MapScale,
@@ -124,9 +121,8 @@ impl LayerWork<'_> {
 /// True if the layers of `light_count` lights and their sums take at most half of `budget`, in bytes.
 pub(crate) fn do_layers_fit<P: LayerPainter>(budget: u64, size: [u32; 2], light_count: usize) -> bool {
     let lights = light_count as u64;
-    let bytes_a_pixel =
-        lights * P::LAYER_BYTES_PER_PIXEL + 2 * lights.div_ceil(GROUP as u64) * P::SUM_BYTES_PER_PIXEL;
-    bytes(size, bytes_a_pixel) <= budget / 2
+    let bytes_a_pixel = lights * P::LAYER_BYTES_PER_PIXEL + 2 * lights.div_ceil(GROUP as u64) * P::SUM_BYTES_PER_PIXEL;
+    pixel_count(size) * bytes_a_pixel <= budget / 2
 }
 
 impl<Layer, Sum> Default for Layers<Layer, Sum> {
@@ -145,8 +141,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     /// Returns the layer of `light` if it is valid and was drawn with a map of at least that scale.
     fn cached_layer(&self, light: &LightInstance, shadow_map: MapScale) -> Option<Layer> {
         let shows = Some(light.light.revisions().radiance);
-        let kept =
-            self.lights.iter().find(|kept| (kept.light, kept.radiance_revision) == (light.id, shows))?;
+        let kept = self.lights.iter().find(|kept| (kept.light, kept.radiance_revision) == (light.id, shows))?;
         let layer = kept.layer.as_ref().filter(|_| kept.shadow_map <= shadow_map)?;
         layer.take().inspect(|held| layer.put(held.clone()))
     }
@@ -157,7 +152,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         let known = self.lights.iter().find(|kept| (kept.light, kept.radiance_revision) == (light.id, shows));
         let culling = work.shadow_maps.shadows().culling;
         let reaches = known.map_or_else(
-            || reachable_pixels(&light.light, (work.scene, work.raster), culling).is_some(),
+            || reachable_pixels(&light.light, work.context.scene, work.context.raster, culling).is_some(),
             |kept| kept.layer.is_some(),
         );
         if !reaches && known.is_none() {
@@ -183,12 +178,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         }
     }
 
-    fn keep(
-        &mut self,
-        (gpu, bytes): (&Gpu, u64),
-        (light, shadow_map): (&LightInstance, MapScale),
-        layer: Layer,
-    ) {
+    fn keep(&mut self, gpu: &Gpu, bytes: u64, light: &LightInstance, shadow_map: MapScale, layer: Layer) {
         let shows = Some(light.light.revisions().radiance);
         let own = self.lights.iter().position(|kept| kept.light == light.id);
         let room = own.and_then(|own| self.lights.swap_remove(own).layer);
@@ -196,9 +186,8 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         if let Some(room) = &room {
             room.put(layer.clone());
         }
-        let layer = room
-            .filter(Evictable::is_present)
-            .unwrap_or_else(|| gpu.memory.keep(MemoryKind::Layers, bytes, layer));
+        let layer =
+            room.filter(Evictable::is_present).unwrap_or_else(|| gpu.memory.keep(MemoryKind::Layers, bytes, layer));
         let layer = Some(layer);
         self.lights.push(KeptLayer { light: light.id, radiance_revision: shows, shadow_map, layer });
     }
@@ -213,12 +202,13 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     /// drawn so far.
     pub fn draw<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        (work, painter): (&mut LayerWork, &mut P),
+        work: &mut LayerWork,
+        painter: &mut P,
         lights: &[LightInstance],
     ) -> Result<Poll<Option<P::Terms>>, RenderError> {
         // The other lights still count; `light::SceneBounds` reports this one to callers that ask.
         let is_there = |light: &&LightInstance| {
-            !light.light.light_profile().is_dark() && work.scene.posed.bounds().check(&light.light).is_ok()
+            !light.light.light_profile().is_dark() && work.context.scene.posed.bounds().check(&light.light).is_ok()
         };
         let lights: Vec<&LightInstance> =
             lights.iter().filter(is_there).filter(|light| self.reaches_visible_pixels(work, light)).collect();
@@ -229,7 +219,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
             }
         }
         if lights.len() <= TERMS {
-            let Poll::Ready(terms) = self.terms_of_lights((work, painter), &lights)? else {
+            let Poll::Ready(terms) = self.terms_of_lights(work, painter, &lights)? else {
                 return Ok(Poll::Pending);
             };
             return Ok(Poll::Ready((!terms.is_empty()).then(|| painter.terms_of_layers(&terms))));
@@ -240,11 +230,11 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
             let sum = if let Some(sum) = self.cached_sum(0, index, group, work.shadow_map) {
                 sum
             } else {
-                let Poll::Ready(terms) = self.terms_of_lights((work, painter), group)? else {
+                let Poll::Ready(terms) = self.terms_of_lights(work, painter, group)? else {
                     return Ok(Poll::Pending);
                 };
                 let terms = painter.terms_of_layers(&terms);
-                self.draw_sum((work, painter), (0, index, group), &terms)?
+                self.draw_sum(work, painter, 0, index, group, &terms)?
             };
             sums.push(sum);
         }
@@ -258,7 +248,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
                     sum
                 } else {
                     let terms = painter.terms_of_sums(sums);
-                    self.draw_sum((work, painter), (level, index, &of[index]), &terms)?
+                    self.draw_sum(work, painter, level, index, &of[index], &terms)?
                 };
                 next.push(sum);
             }
@@ -271,7 +261,8 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     /// drawing the picture pauses.
     fn terms_of_lights<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        (work, painter): (&mut LayerWork, &mut P),
+        work: &mut LayerWork,
+        painter: &mut P,
         lights: &[&LightInstance],
     ) -> Result<Poll<Vec<GpuTerm<Layer>>>, RenderError> {
         let mut terms = Vec::with_capacity(lights.len());
@@ -280,7 +271,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
             let layer = if held.is_some() {
                 held
             } else {
-                match self.draw_layer((work, painter), light)? {
+                match self.draw_layer(work, painter, light)? {
                     Poll::Ready(layer) if !work.pauses(painter, DrawnPiece::Pixels)? => layer,
                     _ => return Ok(Poll::Pending),
                 }
@@ -296,10 +287,11 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     /// light's map.
     fn draw_layer<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        (work, painter): (&mut LayerWork, &mut P),
+        work: &mut LayerWork,
+        painter: &mut P,
         light: &LightInstance,
     ) -> Result<Poll<Option<Layer>>, RenderError> {
-        let ready = painter.ready_light(work.shadow_maps, work.raster, (light, work.shadow_map))?;
+        let ready = painter.ready_light(work.shadow_maps, light, work.shadow_map)?;
         let Some(ready) = ready else { return Ok(Poll::Ready(None)) };
         if let Some(cause) = ready.shadow_map_cause {
             work.pass_runs.note(Pass::ShadowMap, Some(light.id), cause);
@@ -308,27 +300,21 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
                 return Ok(Poll::Pending);
             }
         }
-        let LayerWork { gpu, size, pass_runs: ran, .. } = work;
-        ran.note(Pass::Layer, Some(light.id), self.cause(light));
-        let bytes = bytes(*size, P::LAYER_BYTES_PER_PIXEL);
+        let LayerWork { context: DrawContext { gpu, .. }, size, pass_runs, .. } = work;
+        pass_runs.note(Pass::Layer, Some(light.id), self.cause(light));
+        let bytes = pixel_count(*size) * P::LAYER_BYTES_PER_PIXEL;
         let over = self.take(light);
         if over.is_none() {
             gpu.make_room(bytes);
         }
         let pixels = Tile { x: 0, y: 0, width: size[0], height: size[1] }.clip(ready.pixels);
         let layer = painter.draw_layer(&ready, pixels, over)?;
-        gpu.stages.count(|counters| counters.scissor_pixels += u64::from(pixels[2]) * u64::from(pixels[3]));
-        self.keep((gpu, bytes), (light, ready.shadow_map), layer.clone());
+        gpu.stages.count(|counters| counters.scissor_pixels += area(pixels));
+        self.keep(gpu, bytes, light, ready.shadow_map, layer.clone());
         Ok(Poll::Ready(Some(layer)))
     }
 
-    fn cached_sum(
-        &self,
-        level: usize,
-        index: usize,
-        lights: &[&LightInstance],
-        shadow_map: MapScale,
-    ) -> Option<Sum> {
+    fn cached_sum(&self, level: usize, index: usize, lights: &[&LightInstance], shadow_map: MapScale) -> Option<Sum> {
         let kept = self.sums.get(level)?.get(index)?;
         if kept.light_revisions != revisions(lights) || kept.shadow_map > shadow_map {
             return None;
@@ -338,11 +324,14 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
 
     fn draw_sum<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        (work, painter): (&mut LayerWork, &mut P),
-        (level, index, lights): (usize, usize, &[&LightInstance]),
+        work: &mut LayerWork,
+        painter: &mut P,
+        level: usize,
+        index: usize,
+        lights: &[&LightInstance],
         terms: &P::Terms,
     ) -> Result<Sum, RenderError> {
-        let LayerWork { gpu, size, shadow_map, pass_runs: ran, .. } = work;
+        let LayerWork { context: DrawContext { gpu, .. }, size, shadow_map, pass_runs, .. } = work;
         let cause = match self.sums.get(level).and_then(|sums| sums.get(index)) {
             None => Cause::First,
             Some(kept) if kept.light_revisions.is_empty() => Cause::Gbuffer,
@@ -350,7 +339,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
             Some(kept) if kept.sum.is_present() => Cause::Resolution,
             Some(_) => Cause::Evicted,
         };
-        ran.note(Pass::Sum, None, cause);
+        pass_runs.note(Pass::Sum, None, cause);
         let sums = &mut self.sums;
         sums.resize_with(sums.len().max(level + 1), Vec::new);
         let own = sums[level].get(index).and_then(|kept| kept.sum.take());
@@ -358,11 +347,10 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         let sum = painter.draw_sum(terms, own)?;
         if is_kept {
             sums[level][index].sum.put(sum.clone());
-            (sums[level][index].light_revisions, sums[level][index].shadow_map) =
-                (revisions(lights), *shadow_map);
+            (sums[level][index].light_revisions, sums[level][index].shadow_map) = (revisions(lights), *shadow_map);
             return Ok(sum);
         }
-        let bytes = bytes(*size, P::SUM_BYTES_PER_PIXEL);
+        let bytes = pixel_count(*size) * P::SUM_BYTES_PER_PIXEL;
         let kept = gpu.memory.keep(MemoryKind::Layers, bytes, sum.clone());
         let kept = KeptSum { light_revisions: revisions(lights), shadow_map: *shadow_map, sum: kept };
         match sums[level].get_mut(index) {
@@ -380,8 +368,4 @@ pub(crate) fn factors(light: &CheckedLight) -> [[f32; 3]; 2] {
 
 fn revisions(lights: &[&LightInstance]) -> Vec<(LightId, LightDigest)> {
     lights.iter().map(|light| (light.id, light.light.revisions().picture)).collect()
-}
-
-fn bytes([width, height]: [u32; 2], bytes_a_pixel: u64) -> u64 {
-    u64::from(width) * u64::from(height) * bytes_a_pixel
 }

@@ -11,10 +11,7 @@
 //! The crate knows no JSON, command line or network. Begin with [`Renderer`], [`Gpu`] and [`Backend`] (GPU or CPU),
 //! then the modules `layers` and `lights` (shadow maps).
 
-#![expect(
-    clippy::disallowed_methods,
-    reason = "pictures are held to the reference within bounds, not to the bit"
-)]
+#![expect(clippy::disallowed_methods, reason = "pictures are held to the reference within bounds, not to the bit")]
 
 mod alpha_test;
 mod backend;
@@ -57,7 +54,6 @@ mod native_straight;
 mod native_targets;
 mod omni;
 mod omni_faces;
-mod parts;
 mod pass_runs;
 mod passes;
 mod pause;

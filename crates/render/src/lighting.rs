@@ -3,10 +3,11 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use wgpu::{
-    BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, PipelineLayout,
-    RenderPass, RenderPipeline, ShaderModule, TextureFormat,
+    BindGroup, BindGroupLayout, BindingResource, BindingType, BlendComponent, BlendFactor, BlendOperation, BlendState,
+    Buffer, PipelineLayout, RenderPass, RenderPipeline, Sampler, ShaderModule, TextureFormat,
 };
 
+use crate::pipeline::{MapTarget, entire};
 use crate::{Aov, Gpu, shaders};
 
 /// Format of radiance and every AOV: raw values, added up in f32.
@@ -15,18 +16,27 @@ pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 pub(crate) const LAYER_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 
 const ADD: BlendState = {
-    let sum = BlendComponent {
-        src_factor: BlendFactor::One,
-        dst_factor: BlendFactor::One,
-        operation: BlendOperation::Add,
-    };
+    let sum =
+        BlendComponent { src_factor: BlendFactor::One, dst_factor: BlendFactor::One, operation: BlendOperation::Add };
     BlendState { color: sum, alpha: sum }
 };
 
-/// Compiled passes of one shader module, by their constants and by whether lights have links. Each pass is compiled at
-/// first use.
+/// Lighting passes of lights whose bind groups have one layout, by their constants and by whether lights have links.
+/// Each pass is compiled at first use.
 #[derive(Debug)]
-pub(crate) struct PassVariants<K>(Mutex<Vec<Variant<K>>>);
+pub(crate) struct LightPasses<K> {
+    label: &'static str,
+    compiled: Mutex<Vec<Variant<K>>>,
+    /// Layouts of the view, the surface, the light and the links.
+    group_layouts: [BindGroupLayout; 4],
+    sampler: Sampler,
+}
+
+/// Values of a light that are compiled into its lighting pass.
+pub(crate) trait LightConstants: Copy + PartialEq {
+    /// Returns a label, and WGSL with the constants in it.
+    fn wgsl(self) -> (&'static str, String);
+}
 
 #[derive(Debug)]
 struct Variant<K> {
@@ -35,21 +45,46 @@ struct Variant<K> {
     pass: Arc<LightingPass>,
 }
 
-impl<K: Copy + PartialEq> PassVariants<K> {
-    pub fn new() -> Self {
-        Self(Mutex::default())
+impl<K: LightConstants> LightPasses<K> {
+    /// Makes passes of lights with these bindings: buffers, the shadow map and its sampler. `camera_groups` are the
+    /// layouts of the view and the surface.
+    pub fn new(
+        gpu: &Gpu,
+        label: &'static str,
+        bindings: &[BindingType],
+        camera_groups: [&BindGroupLayout; 2],
+        links: &BindGroupLayout,
+    ) -> Self {
+        let ([view, surface], own) = (camera_groups, gpu.bind_group_layout(label, bindings));
+        let sampler = wgpu::SamplerDescriptor { label: Some(label), ..Default::default() };
+        Self {
+            label,
+            compiled: Mutex::default(),
+            group_layouts: [view.clone(), surface.clone(), own, links.clone()],
+            sampler: gpu.device.create_sampler(&sampler),
+        }
     }
 
-    /// Returns the pass for a set of compiled-in constants, for lights with links if `linked`. Calls `make` to compile
-    /// the pass if it does not exist yet.
-    pub fn get(&self, constants: K, linked: bool, make: impl FnOnce() -> LightingPass) -> Arc<LightingPass> {
-        let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+    /// Returns the group of a light's own bindings.
+    pub fn light_group(&self, gpu: &Gpu, buffers: &[&Buffer], map: &MapTarget) -> BindGroup {
+        let mut resources = entire(buffers);
+        resources.extend([BindingResource::TextureView(&map.all), BindingResource::Sampler(&self.sampler)]);
+        gpu.bind_group(self.label, &self.group_layouts[2], &resources)
+    }
+
+    /// Returns the pass for a set of compiled-in constants, for lights with links if `linked`. Without `linked`, all
+    /// triangles count, which is compiled in.
+    pub fn get(&self, gpu: &Gpu, constants: K, linked: bool) -> Arc<LightingPass> {
+        let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
         let is_it = |known: &&Variant<K>| (known.constants, known.linked) == (constants, linked);
-        if let Some(known) = made.iter().find(is_it) {
+        if let Some(known) = compiled.iter().find(is_it) {
             return Arc::clone(&known.pass);
         }
-        let pass = Arc::new(make());
-        made.push(Variant { constants, linked, pass: Arc::clone(&pass) });
+        let (label, wgsl) = constants.wgsl();
+        let wgsl = shaders::lighting_pass(&wgsl, linked, gpu.has_subgroups());
+        let groups = self.group_layouts.each_ref();
+        let pass = Arc::new(LightingPass::new(gpu, label, &wgsl, &groups[..if linked { 4 } else { 3 }]));
+        compiled.push(Variant { constants, linked, pass: Arc::clone(&pass) });
         pass
     }
 }
@@ -76,13 +111,6 @@ impl LightingPass {
         }
     }
 
-    /// Makes a pass of a light. `groups` are the layouts of the view, the surface, the light and links. Without
-    /// `linked`, all triangles count, which is compiled in.
-    pub fn of_light(gpu: &Gpu, label: &str, wgsl: &str, linked: bool, groups: [&BindGroupLayout; 4]) -> Self {
-        let count = if linked { 4 } else { 3 };
-        Self::new(gpu, label, &shaders::lighting_pass(wgsl, linked, gpu.has_subgroups()), &groups[..count])
-    }
-
     /// Adds `aov` within `pixels`, `[x, y, width, height]`. `groups` follow those of the view and the surface.
     pub fn draw(&self, gpu: &Gpu, pass: &mut RenderPass, aov: Aov, groups: &[&BindGroup], pixels: [u32; 4]) {
         let pipeline = self.pipelines[aov as usize].get_or_init(|| {
@@ -94,9 +122,9 @@ impl LightingPass {
 
     /// Draws a light's scattered and mirrored radiance within `pixels`, before factors of the whole light.
     pub fn draw_layer(&self, gpu: &Gpu, pass: &mut RenderPass, groups: &[&BindGroup], pixels: [u32; 4]) {
-        let pipeline = self.layer.get_or_init(|| {
-            gpu.fullscreen_pipeline(&self.layout, &self.module, "fs_layer", &[LAYER_FORMAT], None)
-        });
+        let pipeline = self
+            .layer
+            .get_or_init(|| gpu.fullscreen_pipeline(&self.layout, &self.module, "fs_layer", &[LAYER_FORMAT], None));
         draw_within(pass, pipeline, groups, pixels);
     }
 }

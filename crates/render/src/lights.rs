@@ -10,16 +10,16 @@ use wgpu::TextureView;
 use crate::backend::Backend;
 use crate::bendy_light::{self, BendySlot, BentMapBuffers};
 use crate::camera::CameraRaster;
-use crate::coarse_casters::{CoarseCasters, SimplifiedCasters};
+use crate::coarse_casters::CoarseCasters;
 use crate::gpu_scene::GpuScene;
-use crate::linked::{KnownLinks, LinkedCasters};
+use crate::linked::{CasterSource, KnownLinks, LinkedCasters};
 use crate::map_key::MapKey;
 use crate::memory::{Evictable, MemoryKind, Reservation};
 #[cfg(test)]
 use crate::native_slot::MapFit;
 use crate::native_slot::{NativeMapBuilders, NativeSlot};
 use crate::pass_runs::Cause;
-use crate::passes::Passes;
+use crate::passes::{DrawContext, Passes};
 use crate::shadow_settings::{Culling, MapSize};
 use crate::straight::{StraightLight, StraightSlot};
 use crate::{Gpu, RenderError, ShadowSettings};
@@ -48,21 +48,20 @@ pub(crate) trait MapPainter {
     fn slot(&self, light: &CheckedLight, size: MapSize) -> LightSlot;
 
     /// Updates `slot`, which was created for such a light. Returns the placed light, and true if its map was drawn:
-    /// with the casters that `linked` leaves, or with coarse ones if there are any that are accurate enough.
+    /// with the casters of the source, or with its coarse ones if they are accurate enough.
     fn prepare(
         &mut self,
         slot: &mut LightSlot,
-        light: (MapKey, &CheckedLight),
-        what: (Option<&LinkedCasters>, &ShadowSettings),
-        work: MapBuilders,
+        key: MapKey,
+        light: &CheckedLight,
+        source: CasterSource,
+        builders: MapBuilders,
     ) -> Result<(Self::Light, bool), RenderError>;
 }
 
 pub(crate) struct MapBuilders<'a> {
     pub bent_buffers: &'a mut BentMapBuffers,
     pub native_builders: &'a mut NativeMapBuilders,
-    /// Simplified casters, if the map is coarse and may use them.
-    pub coarse: Option<&'a SimplifiedCasters>,
 }
 
 #[derive(Debug)]
@@ -111,11 +110,9 @@ impl LightSlot {
     fn fits(&self, backend: Backend, rays: &LightRays, size: MapSize) -> bool {
         match (self, backend, rays) {
             (Self::Bendy(slot), Backend::Wgpu, LightRays::Bent(_)) => slot.size() == size,
-            (
-                Self::Straight(slot),
-                Backend::Wgpu,
-                LightRays::Cone(_) | LightRays::Omni(_) | LightRays::Parallel(_),
-            ) => slot.size() == size,
+            (Self::Straight(slot), Backend::Wgpu, LightRays::Cone(_) | LightRays::Omni(_) | LightRays::Parallel(_)) => {
+                slot.size() == size
+            }
             (Self::Native(slot), Backend::Native, _) => slot.size() == size,
             _ => false,
         }
@@ -186,10 +183,7 @@ impl ShadowMaps {
 
     /// Corrupts maps of the native backend for tests, as [`crate::Renderer::corrupt_native_maps`] states.
     #[cfg(test)]
-    pub fn corrupt_native_maps(
-        &mut self,
-        mut fault: impl FnMut(&mut relight::DepthMap, &bendy_light::MapShape),
-    ) {
+    pub fn corrupt_native_maps(&mut self, mut fault: impl FnMut(&mut relight::DepthMap, &bendy_light::MapShape)) {
         for kept in &self.maps {
             let Some(mut slot) = kept.slot.take() else { continue };
             if let LightSlot::Native(native) = &mut slot
@@ -252,9 +246,7 @@ impl ShadowMaps {
 
     fn update_needed_maps(&mut self) {
         let Self { users, drawn, .. } = self;
-        drawn.retain(|(light, _), _| {
-            users.iter().any(|user| user.maps.iter().any(|key| key.light() == *light))
-        });
+        drawn.retain(|(light, _), _| users.iter().any(|user| user.maps.iter().any(|key| key.light() == *light)));
         for map in &mut self.maps {
             map.needed = map.map_key().is_some_and(|key| is_needed(users, key));
             map.slot.set_needed(map.needed);
@@ -266,16 +258,16 @@ impl ShadowMaps {
     /// the light is out of the scene's reach.
     pub fn ready_light<P: MapPainter>(
         &mut self,
-        (gpu, painter): (&Gpu, &mut P),
-        (passes, scene, raster): (&Passes, &GpuScene, &CameraRaster),
-        (instance, scale): (&LightInstance, MapScale),
+        painter: &mut P,
+        &DrawContext { gpu, passes, scene, raster, .. }: &DrawContext,
+        instance: &LightInstance,
+        scale: MapScale,
     ) -> Result<Option<ReadyLight<P::Light>>, RenderError> {
         let light = &*instance.light;
         let key = MapKey::of(instance, scene.revision);
         // A light whose shadows are off has a map of size 1, apart from the one before.
         let known_of = |size: MapSize| {
-            let shows =
-                |slot: &LightSlot| slot.map_key() == Some(key) && slot.fits(P::BACKEND, light.rays(), size);
+            let shows = |slot: &LightSlot| slot.map_key() == Some(key) && slot.fits(P::BACKEND, light.rays(), size);
             self.maps.iter().position(|map| map.slot.peek(shows).unwrap_or(false))
         };
         let (mut shadow_map, mut shadows) = (MapScale::Full, self.shadows);
@@ -288,7 +280,7 @@ impl ShadowMaps {
         if known.is_none() {
             scene.posed.bounds().check(light)?;
         }
-        let Some(pixels) = reachable_pixels(light, (scene, raster), self.shadows.culling) else {
+        let Some(pixels) = reachable_pixels(light, scene, raster, self.shadows.culling) else {
             return Ok(None);
         };
         let free = || {
@@ -300,35 +292,26 @@ impl ShadowMaps {
             Some(slot) => slot,
             None => painter.slot(light, size),
         };
-        let shadows = &shadows;
         let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
         // Casters that are reduced by links or already simplified are used unchanged.
-        let is_coarse =
-            known.is_none() && shadow_map != MapScale::Full && matches!(light.rays(), LightRays::Bent(_));
+        let is_coarse = known.is_none() && shadow_map != MapScale::Full && matches!(light.rays(), LightRays::Bent(_));
         let coarse = if is_coarse && linked.is_none() && shadows.mesh_error == 0.0 {
             self.coarse.get(gpu, scene)?
         } else {
             None
         };
-        let Self { bent_buffers: bent_work, native_builders: native_work, .. } = self;
-        let work = MapBuilders { bent_buffers: bent_work, native_builders: native_work, coarse };
-        let (placed, shadow_drawn) =
-            painter.prepare(&mut slot, (key, light), (linked.as_deref(), shadows), work)?;
+        let source = CasterSource { scene, linked: linked.as_deref(), shadows: &shadows, coarse };
+        let Self { bent_buffers, native_builders, .. } = self;
+        let builders = MapBuilders { bent_buffers, native_builders };
+        let (placed, drawn) = painter.prepare(&mut slot, key, light, source, builders)?;
         let last = (instance.id, P::BACKEND);
-        let shadow_drawn = shadow_drawn.then(|| match self.drawn.insert(last, (key, size)) {
+        let shadow_map_cause = drawn.then(|| match self.drawn.insert(last, (key, size)) {
             None => Cause::First,
             Some((before, size_before)) if before == key && size_before != size => Cause::Resolution,
             Some((before, _)) => key.cause_after(&before),
         });
-        let passing = self.keep(gpu, index, (slot, linked.clone()), size);
-        Ok(Some(ReadyLight {
-            light: placed,
-            pixels,
-            linked,
-            shadow_map,
-            shadow_map_cause: shadow_drawn,
-            transient_map: passing,
-        }))
+        let transient_map = self.keep(gpu, index, slot, linked.clone(), size);
+        Ok(Some(ReadyLight { light: placed, pixels, linked, shadow_map, shadow_map_cause, transient_map }))
     }
 
     /// Puts a map back into the cache, or adds a new one if there is room. Otherwise returns the reservation that
@@ -337,7 +320,8 @@ impl ShadowMaps {
         &mut self,
         gpu: &Gpu,
         index: Option<usize>,
-        (slot, linked): (LightSlot, Option<Arc<LinkedCasters>>),
+        slot: LightSlot,
+        linked: Option<Arc<LinkedCasters>>,
         size: MapSize,
     ) -> Option<Reservation> {
         if let Some(map) = index.and_then(|index| self.maps.get_mut(index)) {
@@ -355,27 +339,26 @@ impl ShadowMaps {
         None
     }
 
-    /// Draws the triangles of `light`'s shadow map into a picture of `size` pixels. A spotlight is first bent into one
-    /// segment.
+    /// Draws the triangles of `light`'s shadow map into a picture. A spotlight is first bent into one segment.
     pub fn draw_wireframe(
         &mut self,
         gpu: &Gpu,
-        (passes, scene): (&Passes, &GpuScene),
+        passes: &Passes,
+        scene: &GpuScene,
         light: &CheckedLight,
-        picture: (&TextureView, [u32; 2]),
+        picture: &TextureView,
     ) -> Result<(), RenderError> {
         scene.posed.bounds().check(light)?;
         let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
-        let (work, scene) = (&mut self.bent_buffers, (scene, linked.as_deref(), &self.shadows));
+        let source = CasterSource { scene, linked: linked.as_deref(), shadows: &self.shadows, coarse: None };
+        let work = &mut self.bent_buffers;
         match light.rays() {
-            LightRays::Bent(tube) => {
-                passes.bendy.draw_wireframe(gpu, work, (light.light(), tube), scene, picture)
-            }
+            LightRays::Bent(tube) => passes.bendy.draw_wireframe(gpu, work, light.light(), tube, source, picture),
             LightRays::Omni(_) | LightRays::Parallel(_) => Err(RenderError::NoWireframe),
             LightRays::Cone(_) => {
                 let bent = light::bend(light.light(), 1)?;
                 let tube = Tube::new(&bent)?;
-                passes.bendy.draw_wireframe(gpu, work, (&bent, &tube), scene, picture)
+                passes.bendy.draw_wireframe(gpu, work, &bent, &tube, source, picture)
             }
         }
     }
@@ -384,15 +367,15 @@ impl ShadowMaps {
 /// True if a picture under way needs the map, or if it is the map of its light in the latest picture. `users` are in
 /// the order of their latest pictures.
 fn is_needed(users: &[MapUser], map: MapKey) -> bool {
-    let mut of_light =
-        users.iter().rev().flat_map(|user| user.maps.iter().filter(|key| key.light() == map.light()));
+    let mut of_light = users.iter().rev().flat_map(|user| user.maps.iter().filter(|key| key.light() == map.light()));
     of_light.next() == Some(&map) || users.iter().any(|user| !user.is_finished && user.maps.contains(&map))
 }
 
 /// Returns the pixels that `light` may reach, `[x, y, width, height]`; `None` if it reaches none.
 pub(crate) fn reachable_pixels(
     light: &CheckedLight,
-    (scene, raster): (&GpuScene, &CameraRaster),
+    scene: &GpuScene,
+    raster: &CameraRaster,
     culling: Culling,
 ) -> Option<[u32; 4]> {
     if !culling.pixels {
@@ -409,9 +392,8 @@ pub(crate) fn reachable_pixels(
 /// Returns the size of the map of `light`. A light without shadows has the smallest size, because a binding must not be
 /// empty.
 fn map_size_of(light: &CheckedLight, shadows: &ShadowSettings) -> MapSize {
-    let size = match StraightLight::of(light) {
-        Some(straight) => straight.map_size(shadows),
-        None => bendy_light::map_size(light.light(), shadows),
-    };
+    let faces =
+        StraightLight::of(light).map_or_else(|| bendy_light::face_count(light.light()), StraightLight::face_count);
+    let size = shadows.map_size(faces);
     if light.light_profile().shadow_enable { size } else { MapSize { side: 1, ..size } }
 }

@@ -4,17 +4,17 @@ use std::sync::{Arc, OnceLock, Weak};
 
 use light::Links;
 use light::parameters::{LIGHT_LINK, SHADOW_LINK};
-use wgpu::util::{DeviceExt, TextureDataOrder};
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, TextureViewDescriptor};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType};
 
 use crate::alpha_test::GpuAlphaTests;
 use crate::casters::{CasterSet, Casters};
+use crate::coarse_casters::SimplifiedCasters;
 use crate::geometry::{DrawRun, Vertices};
 use crate::gpu_scene::GpuScene;
 use crate::material::MaterialDraw;
 use crate::memory::{MemoryKind, Reservation};
 use crate::pipeline::UINT_TEXTURE;
-use crate::{Gpu, RenderError, gpu_structs};
+use crate::{Gpu, RenderError, ShadowSettings, gpu_structs};
 
 /// Group 3 of the lighting passes of lights with links; see `links.wgsl`.
 pub(crate) const BINDINGS: [BindingType; 1] = [UINT_TEXTURE];
@@ -48,7 +48,8 @@ struct LinkedCasterMeshes {
     _memory: Reservation,
 }
 
-/// Selections that lights are using, by scene revision and links, so that lights with the same links share one.
+/// Triangles that the links of lights in use select, by scene revision and links. Lights with the same links share one
+/// entry.
 #[derive(Debug, Default)]
 pub(crate) struct KnownLinks(Vec<((u64, LinkPair), Weak<LinkedCasters>)>);
 
@@ -76,15 +77,23 @@ impl KnownLinks {
     }
 }
 
-/// Returns the shadow casters of a light, selected by its links if it has any. They are within `mesh_error` of the
-/// surface, in world units.
-pub(crate) fn caster_set<'a>(
-    gpu: &Gpu,
-    scene: &'a GpuScene,
-    linked: Option<&'a LinkedCasters>,
-    mesh_error: f64,
-) -> Result<CasterSet<'a>, RenderError> {
-    linked.map_or_else(|| Ok(scene.caster_set()), |linked| linked.caster_set(gpu, scene, mesh_error))
+/// Scene from which a light's map takes its casters.
+#[derive(Clone, Copy)]
+pub(crate) struct CasterSource<'a> {
+    pub scene: &'a GpuScene,
+    /// Casters that the light's links select; `None` if it has no links.
+    pub linked: Option<&'a LinkedCasters>,
+    pub shadows: &'a ShadowSettings,
+    /// Simplified casters, if the map may use them.
+    pub coarse: Option<&'a SimplifiedCasters>,
+}
+
+impl<'a> CasterSource<'a> {
+    /// Returns the casters without simplification for coarse maps.
+    pub fn caster_set(&self, gpu: &Gpu) -> Result<CasterSet<'a>, RenderError> {
+        let Self { scene, linked, shadows, .. } = *self;
+        linked.map_or_else(|| Ok(scene.caster_set()), |linked| linked.caster_set(gpu, scene, shadows.mesh_error))
+    }
 }
 
 impl LinkedCasters {
@@ -103,22 +112,8 @@ impl LinkedCasters {
                 *word = [0, 1].map(|k| word[k] | flags[k] << (triangle % 32));
             }
         }
-        let texture = gpu.device.create_texture_with_data(
-            &gpu.queue,
-            &wgpu::TextureDescriptor {
-                label: Some("links"),
-                size: wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::Rg32Uint,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            },
-            TextureDataOrder::LayerMajor,
-            bytemuck::cast_slice(&bits),
-        );
-        let view = texture.create_view(&TextureViewDescriptor::default());
+        let (size, format) = ([width as u32, height as u32], wgpu::TextureFormat::Rg32Uint);
+        let view = gpu.texture_with("links", size, (format, 1), bytemuck::cast_slice(&bits));
         let group = gpu.bind_group("links", layout, &[BindingResource::TextureView(&view)]);
         let bytes = size_of_val(&bits[..]) as u64;
         let host_bits: Option<Arc<[_]>> = gpu.if_native(|| bits.into());
@@ -127,41 +122,36 @@ impl LinkedCasters {
         Self { group, host_bits, casts_shadows, casters: OnceLock::new(), _memory: memory }
     }
 
-    fn caster_set<'a>(
-        &'a self,
-        gpu: &Gpu,
-        scene: &'a GpuScene,
-        mesh_error: f64,
-    ) -> Result<CasterSet<'a>, RenderError> {
-        let Some(throwing) = &self.casts_shadows else { return Ok(scene.caster_set()) };
+    fn caster_set<'a>(&'a self, gpu: &Gpu, scene: &'a GpuScene, mesh_error: f64) -> Result<CasterSet<'a>, RenderError> {
+        let Some(casts_shadows) = &self.casts_shadows else { return Ok(scene.caster_set()) };
         let made = if let Some(made) = self.casters.get() {
             made
         } else {
-            let made = LinkedCasterMeshes::new(gpu, scene, throwing, mesh_error)?;
+            let made = LinkedCasterMeshes::new(gpu, scene, casts_shadows, mesh_error)?;
             self.casters.get_or_init(|| made)
         };
-        let LinkedCasterMeshes { casters, alpha_tested: masked, alpha_tests, .. } = made;
-        Ok(CasterSet { casters, alpha_tested: masked, alpha_tests: alpha_tests.as_ref() })
+        let LinkedCasterMeshes { casters, alpha_tested, alpha_tests, .. } = made;
+        Ok(CasterSet { casters, alpha_tested, alpha_tests: alpha_tests.as_ref() })
     }
 }
 
 impl LinkedCasterMeshes {
-    fn new(gpu: &Gpu, scene: &GpuScene, throwing: &[bool], mesh_error: f64) -> Result<Self, RenderError> {
+    fn new(gpu: &Gpu, scene: &GpuScene, casts_shadows: &[bool], mesh_error: f64) -> Result<Self, RenderError> {
         let posed = &scene.posed;
-        let runs: Vec<&DrawRun> = scene.runs.iter().filter(|run| throwing[run.node]).collect();
+        let runs: Vec<&DrawRun> = scene.runs.iter().filter(|run| casts_shadows[run.node]).collect();
         let triangles = runs.iter().flat_map(|run| {
             let own = posed.triangles(&posed.primitives[run.primitive]);
             own.map(|corners| corners.map(|k| run.first_vertex + k))
         });
         let indices: Vec<u32> = triangles.flatten().collect();
-        let is_masked = |run: &&&DrawRun| run.indices.start >= scene.opaque_indices;
-        let opaque_indices = runs.iter().filter(|run| !is_masked(run)).map(|run| run.indices.len()).sum();
+        let is_alpha_tested = |run: &&&DrawRun| run.indices.start >= scene.opaque_indices;
+        let opaque_indices = runs.iter().filter(|run| !is_alpha_tested(run)).map(|run| run.indices.len()).sum();
         let vertices = Vertices { indices, ..Vertices::new(posed)? };
         let casters = Casters::new(gpu, (&vertices, opaque_indices), mesh_error)?;
-        let (masked, alpha_tests) = linked_alpha_tests(gpu, scene, runs.iter().filter(is_masked).copied())?;
+        let (alpha_tested, alpha_tests) = linked_alpha_tests(gpu, scene, runs.iter().filter(is_alpha_tested).copied())?;
         let bytes = casters.bytes() + alpha_tests.as_ref().map_or(0, |tests| tests.tests.size());
         let memory = gpu.memory.reserve(MemoryKind::Scenes, bytes);
-        Ok(Self { casters, alpha_tested: masked, alpha_tests, _memory: memory })
+        Ok(Self { casters, alpha_tested, alpha_tests, _memory: memory })
     }
 }
 

@@ -4,11 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use scene::{Sampler, Scene, TextureRef, Wrap};
-use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
-use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Features, TextureFormat,
-    TextureView,
-};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, Features, TextureFormat, TextureView};
 
 use crate::alpha_test::{AlphaPicture, GpuAlphaTests, alpha_test};
 use crate::geometry::MaterialRange;
@@ -60,30 +56,25 @@ impl Materials {
         for draw in draws {
             let material = &scene.materials[draw.material];
             let (base, base_sampler) = textures.get(material.base_color_texture, Encoding::Srgb)?;
-            let (shine, shine_sampler) =
-                textures.get(material.metallic_roughness_texture, Encoding::Linear)?;
-            let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
-                label: Some("material"),
-                contents: bytemuck::bytes_of(&gpu_structs::Material {
+            let (shine, shine_sampler) = textures.get(material.metallic_roughness_texture, Encoding::Linear)?;
+            let uniform = gpu.uniform_with(
+                "material",
+                &gpu_structs::Material {
                     base_color: material.base_color.to_array(),
                     metallic: material.metallic,
                     roughness: material.roughness,
                     alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
                     pad0: 0.0,
-                }),
-                usage: BufferUsages::UNIFORM,
-            });
-            let group = gpu.bind_group(
-                "material",
-                layout,
-                &[
-                    uniform.as_entire_binding(),
-                    BindingResource::TextureView(&base),
-                    BindingResource::Sampler(&base_sampler),
-                    BindingResource::TextureView(&shine),
-                    BindingResource::Sampler(&shine_sampler),
-                ],
+                },
             );
+            let resources = [
+                uniform.as_entire_binding(),
+                BindingResource::TextureView(&base),
+                BindingResource::Sampler(&base_sampler),
+                BindingResource::TextureView(&shine),
+                BindingResource::Sampler(&shine_sampler),
+            ];
+            let group = gpu.bind_group("material", layout, &resources);
             if material.alpha_cutoff.is_some() {
                 let picture = textures.alpha(material.base_color_texture);
                 let first_masked = tests.first().map_or(draw.indices.start, |test| test.first_index);
@@ -179,27 +170,8 @@ fn format(gpu: &Gpu, encoding: Encoding) -> TextureFormat {
 
 fn upload(gpu: &Gpu, width: u32, height: u32, chain: &MipChain) -> Result<TextureView, RenderError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
-    let size = width.max(height);
-    if size > limit {
-        let what = "the width or height of a texture";
-        return Err(RenderError::TooLarge { what, size: f64::from(size), limit: f64::from(limit) });
-    }
-    let texture = gpu.device.create_texture_with_data(
-        &gpu.queue,
-        &wgpu::TextureDescriptor {
-            label: Some("material texture"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: chain.levels,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: chain.format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        },
-        TextureDataOrder::MipMajor,
-        &chain.bytes,
-    );
-    Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+    RenderError::check_size("the width or height of a texture", width.max(height).into(), limit.into())?;
+    Ok(gpu.texture_with("material texture", [width, height], (chain.format, chain.levels), &chain.bytes))
 }
 
 fn create_sampler(gpu: &Gpu, sampler: Sampler) -> wgpu::Sampler {

@@ -76,12 +76,7 @@ impl MemoryBudget {
 
     /// Makes a budget of `budget` bytes, none of which are used.
     pub fn new(budget: u64) -> Self {
-        Self(Arc::new(Mutex::new(Account {
-            budget,
-            picture_number: 0,
-            last_id: 0,
-            allocations: BTreeMap::new(),
-        })))
+        Self(Arc::new(Mutex::new(Account { budget, picture_number: 0, last_id: 0, allocations: BTreeMap::new() })))
     }
 
     /// Returns the largest number of bytes that are cached. A single picture may need more.
@@ -122,10 +117,7 @@ impl MemoryBudget {
         let kept = Arc::clone(&value);
         let evict = move || drop(lock(&kept).take());
         Evictable {
-            reservation: Reservation {
-                allocation: self.add(kind, bytes, Some(Box::new(evict))),
-                memory: self.clone(),
-            },
+            reservation: Reservation { allocation: self.add(kind, bytes, Some(Box::new(evict))), memory: self.clone() },
             value,
         }
     }
@@ -136,10 +128,8 @@ impl MemoryBudget {
         let mut account = self.account();
         while account.total() + bytes > account.budget {
             let now = account.picture_number;
-            let may_go =
-                account.allocations.iter().filter(|(_, a)| a.evict.is_some() && (a.used < now || !a.needed));
-            let Some((&first, _)) = may_go.min_by_key(|(_, allocation)| (allocation.needed, allocation.used))
-            else {
+            let may_go = account.allocations.iter().filter(|(_, a)| a.evict.is_some() && (a.used < now || !a.needed));
+            let Some((&first, _)) = may_go.min_by_key(|(_, allocation)| (allocation.needed, allocation.used)) else {
                 break;
             };
             gone.extend(account.allocations.remove(&first).and_then(|allocation| allocation.evict));
@@ -226,9 +216,7 @@ impl<T> Evictable<T> {
 
     /// Sets if a view or a picture in progress needs the value.
     pub fn set_needed(&self, needed: bool) {
-        if let Some(allocation) =
-            self.reservation.memory.account().allocations.get_mut(&self.reservation.allocation)
-        {
+        if let Some(allocation) = self.reservation.memory.account().allocations.get_mut(&self.reservation.allocation) {
             allocation.needed = needed;
         }
     }
@@ -236,8 +224,7 @@ impl<T> Evictable<T> {
     /// Changes the number of bytes of a value that grew or shrank while in use.
     pub fn resize(&self, bytes: u64) {
         let Reservation { allocation, memory } = &self.reservation;
-        let before =
-            memory.account().allocations.get(allocation).map_or(bytes, |allocation| allocation.bytes);
+        let before = memory.account().allocations.get(allocation).map_or(bytes, |allocation| allocation.bytes);
         memory.make_room(bytes.saturating_sub(before));
         if let Some(allocation) = memory.account().allocations.get_mut(allocation) {
             allocation.bytes = bytes;

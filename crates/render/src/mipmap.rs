@@ -47,9 +47,7 @@ fn encode_level(level: &[[f32; 4]], format: TextureFormat) -> Vec<u8> {
     let channels = level.as_flattened().iter();
     match format {
         TextureFormat::Rgba8Unorm => channels.map(|c| (c * 255.0 + 0.5) as u8).collect(),
-        TextureFormat::Rgba16Unorm => {
-            channels.flat_map(|c| ((c * 65535.0 + 0.5) as u16).to_ne_bytes()).collect()
-        }
+        TextureFormat::Rgba16Unorm => channels.flat_map(|c| ((c * 65535.0 + 0.5) as u16).to_ne_bytes()).collect(),
         TextureFormat::Rgba16Float => channels.flat_map(|c| f16::from_f32(*c).to_ne_bytes()).collect(),
         _ => unreachable!("no texture is stored as {format:?}"),
     }

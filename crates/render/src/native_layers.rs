@@ -3,25 +3,21 @@
 use std::sync::Arc;
 
 use light::LightInstance;
-use relight::{LayerSum, LightLayer, Surfaces, draw_layer};
+use relight::{DrawnLight, LayerSum, LightLayer, Surfaces, draw_layer};
 use scene::MapScale;
 
-use crate::camera::CameraRaster;
+use crate::RenderError;
 use crate::composite::GpuTerm;
-use crate::gpu_scene::GpuScene;
 use crate::host_scene::caster_scene;
 use crate::layers::LayerPainter;
 use crate::lights::{ReadyLight, ShadowMaps};
 use crate::native_map::{NativeLight, NativeMaps};
-use crate::passes::Passes;
+use crate::passes::DrawContext;
 use crate::stages::FrameStage;
-use crate::{Gpu, RenderError};
 
 /// Draws layers on the CPU, on the surfaces that the pixels show.
 pub(crate) struct NativeLayers<'a> {
-    pub gpu: &'a Gpu,
-    pub passes: &'a Passes,
-    pub scene: &'a GpuScene,
+    pub context: DrawContext<'a>,
     pub surfaces: &'a Surfaces,
 }
 
@@ -37,8 +33,10 @@ impl NativeTerms {
     pub fn with<'a, T>(&'a self, work: impl FnOnce(relight::LayerTerms) -> T) -> T {
         match self {
             Self::Layers(terms) => {
-                let of = |GpuTerm { layer, diffuse, specular }: &'a GpuTerm<Arc<LightLayer>>| {
-                    relight::LayerTerm { layer, diffuse: *diffuse, specular: *specular }
+                let of = |GpuTerm { layer, diffuse, specular }: &'a GpuTerm<Arc<LightLayer>>| relight::LayerTerm {
+                    layer,
+                    diffuse: *diffuse,
+                    specular: *specular,
                 };
                 let terms: Vec<_> = terms.iter().map(of).collect();
                 work(relight::LayerTerms::Layers(&terms))
@@ -62,11 +60,10 @@ impl LayerPainter for NativeLayers<'_> {
     fn ready_light(
         &mut self,
         shadow_maps: &mut ShadowMaps,
-        raster: &CameraRaster,
-        light: (&LightInstance, MapScale),
+        light: &LightInstance,
+        scale: MapScale,
     ) -> Result<Option<ReadyLight<NativeLight>>, RenderError> {
-        let (gpu, passes, scene) = (self.gpu, self.passes, self.scene);
-        shadow_maps.ready_light((gpu, &mut NativeMaps { gpu, scene }), (passes, scene, raster), light)
+        shadow_maps.ready_light(&mut NativeMaps(self.context.gpu), &self.context, light, scale)
     }
 
     fn draw_layer(
@@ -77,21 +74,18 @@ impl LayerPainter for NativeLayers<'_> {
     ) -> Result<Arc<LightLayer>, RenderError> {
         let mut layer = over.and_then(Arc::into_inner).unwrap_or_default();
         let NativeLight { light: shape, map } = &light.light;
-        let scene = caster_scene(self.scene, light.linked.as_deref());
-        let workers = self.gpu.workers();
-        draw_layer(workers, self.surfaces, &scene, (shape, map.as_deref()), pixels, &mut layer)?;
-        self.gpu.stages.record_stage(FrameStage::Light);
+        let DrawContext { gpu, scene, .. } = self.context;
+        let scene = caster_scene(scene, light.linked.as_deref());
+        let drawn = DrawnLight { light: shape, map: map.as_deref(), pixels };
+        draw_layer(gpu.workers(), self.surfaces, &scene, drawn, &mut layer)?;
+        gpu.stages.record_stage(FrameStage::Light);
         Ok(Arc::new(layer))
     }
 
-    fn draw_sum(
-        &mut self,
-        terms: &NativeTerms,
-        over: Option<Arc<LayerSum>>,
-    ) -> Result<Arc<LayerSum>, RenderError> {
+    fn draw_sum(&mut self, terms: &NativeTerms, over: Option<Arc<LayerSum>>) -> Result<Arc<LayerSum>, RenderError> {
         let mut sum = over.and_then(Arc::into_inner).unwrap_or_default();
-        terms.with(|terms| relight::sum(self.gpu.workers(), self.surfaces, terms, &mut sum));
-        self.gpu.stages.record_stage(FrameStage::Sum);
+        terms.with(|terms| relight::sum(self.context.gpu.workers(), self.surfaces, terms, &mut sum));
+        self.context.gpu.stages.record_stage(FrameStage::Sum);
         Ok(Arc::new(sum))
     }
 

@@ -7,14 +7,13 @@ use relight::DepthMap;
 
 use crate::backend::Backend;
 use crate::bendy_light;
-use crate::gpu_scene::GpuScene;
 use crate::lights::{LightSlot, MapBuilders, MapPainter};
-use crate::linked::LinkedCasters;
+use crate::linked::CasterSource;
 use crate::map_key::MapKey;
-use crate::native_slot::{FittedMap, MapFit, NativeSlot};
+use crate::native_slot::{FittedMap, MapFit, NativeMapBuilders, NativeSlot};
 use crate::shadow_settings::MapSize;
 use crate::straight::StraightLight;
-use crate::{Gpu, RenderError, ShadowSettings, native_straight};
+use crate::{Gpu, RenderError, native_straight};
 
 /// Light in the form that `relight` draws, with its shadow map if it casts shadows.
 #[derive(Debug)]
@@ -24,10 +23,7 @@ pub(crate) struct NativeLight {
 }
 
 /// Draws shadow maps of lights in a scene on the CPU.
-pub(crate) struct NativeMaps<'a> {
-    pub gpu: &'a Gpu,
-    pub scene: &'a GpuScene,
-}
+pub(crate) struct NativeMaps<'a>(pub &'a Gpu);
 
 impl MapPainter for NativeMaps<'_> {
     type Light = NativeLight;
@@ -40,15 +36,16 @@ impl MapPainter for NativeMaps<'_> {
     fn prepare(
         &mut self,
         slot: &mut LightSlot,
-        (key, light): (MapKey, &CheckedLight),
-        (linked, shadows): (Option<&LinkedCasters>, &ShadowSettings),
-        MapBuilders { native_builders: native_work, coarse, .. }: MapBuilders,
+        key: MapKey,
+        light: &CheckedLight,
+        source: CasterSource,
+        builders: MapBuilders,
     ) -> Result<(NativeLight, bool), RenderError> {
         let LightSlot::Native(slot) = slot else { unreachable!("the slot was made for the processor") };
-        let Self { gpu, scene } = *self;
+        let (Self(gpu), CasterSource { scene, shadows, .. }) = (self, source);
+        let NativeMapBuilders { bent, straight: straight_builder } = builders.native_builders;
         let is_stale = slot.map_key() != Some(key);
         let is_shadowed = light.light_profile().shadow_enable;
-        let what = (scene, linked, shadows);
         if is_stale {
             let mut map = slot.map();
             let fitted = match (StraightLight::of(light), light.rays()) {
@@ -56,15 +53,13 @@ impl MapPainter for NativeMaps<'_> {
                     let fitted = straight.fit_map(scene, shadows);
                     if is_shadowed {
                         let placed = straight.placed(&fitted, scene, shadows);
-                        let work = &mut native_work.straight;
-                        native_straight::draw_map((gpu, work), (straight, &placed), what, &mut map)?;
+                        native_straight::draw_map(gpu, straight_builder, straight, &placed, source, &mut map)?;
                     }
                     MapFit::Straight(fitted)
                 }
                 (None, LightRays::Bent(tube)) if is_shadowed => {
-                    let work = &mut native_work.bent;
-                    let drawn = bendy_light::draw_map((gpu, work), (light, tube), what, coarse, &mut map)?;
-                    MapFit::Bent(Some(Box::new(drawn)))
+                    let shape = bendy_light::draw_map(gpu, bent, light, tube, source, &mut map)?;
+                    MapFit::Bent(Some(Box::new(shape)))
                 }
                 (None, _) => MapFit::Bent(None),
             };
@@ -73,11 +68,11 @@ impl MapPainter for NativeMaps<'_> {
         let Some((_, FittedMap { map, fitted })) = &slot.shown else { unreachable!("it was drawn or known") };
         let placed = match (StraightLight::of(light), light.rays(), fitted) {
             (Some(straight), _, MapFit::Straight(fitted)) => {
-                native_straight::relit_light(&straight.placed(fitted, scene, shadows), shadows.filter)
+                native_straight::relit_light(straight.placed(fitted, scene, shadows), shadows.filter)
             }
             (None, LightRays::Bent(tube), MapFit::Bent(fitted)) => {
-                let shown = (fitted.as_deref(), shadows);
-                relight::RelitLight::Bent(Box::new(bendy_light::placed(tube, scene, shown)))
+                let bent = bendy_light::placed(tube, scene, fitted.as_deref(), shadows);
+                relight::RelitLight::Bent(Box::new(bent))
             }
             _ => unreachable!("a light keeps its shape while its key stays the same"),
         };

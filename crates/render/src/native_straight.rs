@@ -2,25 +2,21 @@
 
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec4Swizzles};
 use relight::{
-    AlphaTestedCasters, AlphaTestedRun, AlphaTests, DepthMap, DirectionalMapParams, OmniMapParams,
+    AlphaTestedCasters, AlphaTestedRun, AlphaTests, DepthMap, DirectionalMapParams, OmniMapParams, OpaqueCasters,
     RelitDirectional, RelitOmni, RelitSpot, SpotMapParams, StraightFace, StraightMap, StraightMapBuilder,
 };
 
 use crate::casters::CasterSet;
 use crate::clusters::VERTICES_PER_BLOCK;
-use crate::directional::GpuDirectional;
-use crate::gpu_scene::GpuScene;
 use crate::host_scene::caster_scene;
 use crate::in_view::leaves_in_view;
-use crate::linked::{LinkedCasters, caster_set};
-use crate::map_views::MapViews;
+use crate::linked::CasterSource;
+use crate::map_views::{LightUniform, MapViews, PlacedLight};
 use crate::material::MaterialDraw;
-use crate::omni::GpuOmni;
 use crate::shadow_settings::Culling;
-use crate::spot::GpuSpot;
 use crate::stages::FrameStage;
-use crate::straight::{Placed, StraightLight};
-use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, gpu_structs};
+use crate::straight::StraightLight;
+use crate::{Gpu, RenderError, ShadowFilter, gpu_structs};
 
 #[derive(Debug, Default)]
 struct VisibleCasters {
@@ -40,9 +36,9 @@ impl VisibleCasters {
         let leaves_of = |view: &Option<gpu_structs::ShadowView>| {
             let mut leaves = Vec::new();
             let Some(view) = view else { return leaves };
-            leaves_in_view(casters, &view.clip_from_scene, source, culling, |leaf, shell| {
+            leaves_in_view(casters, &view.clip_from_scene, source, culling, |leaf, component| {
                 let count = leaf.triangles.len() as u32;
-                leaves.push([leaf.triangles.start, count | (shell as u32) << 16]);
+                leaves.push([leaf.triangles.start, count | (component as u32) << 16]);
                 triangles += u64::from(count);
                 for &block in casters.clusters.blocks_of(leaf) {
                     is_near[block as usize] = true;
@@ -56,16 +52,19 @@ impl VisibleCasters {
     }
 }
 
-/// Draws the map of a light into `into`, with the casters that `linked` selects.
+/// Draws the map of a light into `into`.
 pub(crate) fn draw_map(
-    (gpu, work): (&Gpu, &mut StraightMapBuilder),
-    (light, placed): (StraightLight, &Placed),
-    (scene, linked, shadows): (&GpuScene, Option<&LinkedCasters>, &ShadowSettings),
+    gpu: &Gpu,
+    work: &mut StraightMapBuilder,
+    light: StraightLight,
+    placed: &PlacedLight,
+    casters: CasterSource,
     into: &mut DepthMap,
 ) -> Result<(), RenderError> {
-    let casting = caster_set(gpu, scene, linked, shadows.mesh_error)?;
+    let CasterSource { scene, linked, shadows, .. } = casters;
+    let casting = casters.caster_set(gpu)?;
     let source = light.source_in_world().map(|source| source - scene.posed.origin_in_world);
-    let views = placed.views();
+    let views = &placed.views;
     let seen = VisibleCasters::new(&casting, views, source, shadows.culling);
     let faces: Vec<_> = seen
         .leaves
@@ -94,8 +93,8 @@ pub(crate) fn draw_map(
         runs: &runs,
         tests: casting.alpha_tests.map_or_else(AlphaTests::default, |tests| tests.host()),
     };
-    let casters = (&host.positions[..], &seen.blocks[..], &host.indices[..]);
-    work.draw(gpu.workers(), &map, casters, &alpha_tested, into)?;
+    let casters = OpaqueCasters { positions: &host.positions, blocks: &seen.blocks, indices: &host.indices };
+    work.draw(gpu.workers(), &map, &casters, &alpha_tested, into)?;
     gpu.stages.record_stage(FrameStage::Draw);
     gpu.stages.count(|counters| {
         counters.triangles_seen += seen.triangles;
@@ -124,33 +123,27 @@ fn clip_from_map(views: &MapViews, clip_from_light: Option<&DMat4>) -> DMat3 {
 }
 
 /// Converts a light to the form that `relight` draws.
-pub(crate) fn relit_light(placed: &Placed, filter: ShadowFilter) -> relight::RelitLight {
+pub(crate) fn relit_light(placed: PlacedLight, filter: ShadowFilter) -> relight::RelitLight {
+    let light_profile = placed.light_profile;
     let matrix = |columns: &gpu_structs::Mat4| Mat4::from_cols_array_2d(columns);
     let end = |range: f32| (range > 0.0).then_some(range);
-    match placed {
-        Placed::Spot(GpuSpot { uniform, light_profile, .. }) => {
-            let gpu_structs::Spot { tan_outer, range, shadow_near, mesh_error, fits, .. } = *uniform;
+    match placed.uniform {
+        LightUniform::Spot(uniform) => {
+            let gpu_structs::Spot { tan_outer, range, shadow_near, mesh_error, fits, .. } = uniform;
             let map = SpotMapParams { near: shadow_near, mesh_error, fits, filter };
-            let spot = RelitSpot::new(
-                matrix(&uniform.light_from_scene),
-                light_profile.clone(),
-                (tan_outer, end(range)),
-                map,
-            );
+            let spot = RelitSpot::new(matrix(&uniform.light_from_scene), light_profile, tan_outer, end(range), map);
             relight::RelitLight::Spot(Box::new(spot))
         }
-        Placed::Omni(GpuOmni { uniform, light_profile, .. }) => {
-            let gpu_structs::Omni { range, shadow_near, mesh_error, fits, .. } = *uniform;
+        LightUniform::Omni(uniform) => {
+            let gpu_structs::Omni { range, shadow_near, mesh_error, fits, .. } = uniform;
             let map = OmniMapParams { near: shadow_near, mesh_error, fits, filter };
-            let omni =
-                RelitOmni::new(matrix(&uniform.light_from_scene), light_profile.clone(), end(range), map);
+            let omni = RelitOmni::new(matrix(&uniform.light_from_scene), light_profile, end(range), map);
             relight::RelitLight::Omni(Box::new(omni))
         }
-        Placed::Directional(GpuDirectional { uniform, light_profile, .. }) => {
-            let gpu_structs::Directional { window, fit, bottom, depth_scale, mesh_error, .. } = *uniform;
+        LightUniform::Directional(uniform) => {
+            let gpu_structs::Directional { window, fit, bottom, depth_scale, mesh_error, .. } = uniform;
             let map = DirectionalMapParams { fit, bottom, depth_scale, mesh_error, filter };
-            let sun =
-                RelitDirectional::new(matrix(&uniform.light_from_scene), light_profile.clone(), window, map);
+            let sun = RelitDirectional::new(matrix(&uniform.light_from_scene), light_profile, window, map);
             relight::RelitLight::Directional(Box::new(sun))
         }
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::task::Poll;
 
 use light::{CheckedLight, LightInstance};
-use relight::{CameraRays, Exposure, FillColors, GbufferRows, LayerSum, LayerTerms, LightLayer, Surfaces};
+use relight::{CameraRays, DrawnLight, Exposure, FillColors, GbufferRows, LayerSum, LayerTerms, LightLayer, Surfaces};
 
 use crate::gpu_scene::GpuScene;
 use crate::host_scene::caster_scene;
@@ -12,9 +12,9 @@ use crate::layers::{LayerWork, Layers, factors};
 use crate::lights::ReadyLight;
 use crate::native_layers::{NativeLayers, NativeTerms};
 use crate::native_map::NativeLight;
-use crate::passes::Passes;
+use crate::passes::DrawContext;
 use crate::stages::FrameStage;
-use crate::tile::Tile;
+use crate::tile::{area, pixel_count};
 use crate::{Gpu, RenderError, gpu_structs};
 
 /// Surfaces that pixels show, in CPU memory, with the light that was added up on them.
@@ -38,7 +38,7 @@ pub(crate) fn surfaces(
 ) -> Result<Surfaces, RenderError> {
     let fill = &scene.posed.scene.fill;
     let fill = FillColors { sky: fill.sky.as_vec3().to_array(), ground: fill.ground.as_vec3().to_array() };
-    let surfaces = Surfaces::new(gpu.workers(), &caster_scene(scene, None), (camera(view), fill), gbuffer)?;
+    let surfaces = Surfaces::new(gpu.workers(), &caster_scene(scene, None), camera(view), fill, gbuffer)?;
     gpu.stages.record_stage(FrameStage::Surfaces);
     Ok(surfaces)
 }
@@ -59,8 +59,8 @@ fn camera(view: &gpu_structs::View) -> CameraRays {
 impl NativeTargets {
     /// Returns the largest size in bytes, without layers, for pictures of `size`.
     pub fn max_bytes(size: [u32; 2]) -> u64 {
-        let (blocks, [width, height]) = (Surfaces::max_blocks(size), size.map(u64::from));
-        Surfaces::bytes_of(blocks) + LayerSum::bytes(blocks) + width * height * size_of::<[f32; 4]>() as u64
+        let (blocks, radiance) = (Surfaces::max_blocks(size), pixel_count(size) * size_of::<[f32; 4]>() as u64);
+        Surfaces::bytes_of(blocks) + LayerSum::bytes(blocks) + radiance
     }
 
     /// Returns the bytes, without layers.
@@ -87,65 +87,52 @@ impl NativeTargets {
     /// pauses.
     pub fn draw_layers(
         &mut self,
-        passes: &Passes,
         work: &mut LayerWork,
         lights: &[LightInstance],
-        (fill_factor, exposure): (f32, Exposure),
+        fill_factor: f32,
+        exposure: Exposure,
     ) -> Result<Poll<Vec<u8>>, RenderError> {
-        let (gpu, scene, surfaces) = (work.gpu, work.scene, expect_surfaces(self.surfaces.as_ref()));
-        let mut painter = NativeLayers { gpu, passes, scene, surfaces };
-        let Poll::Ready(terms) = self.layers.draw((work, &mut painter), lights)? else {
+        let (gpu, surfaces) = (work.context.gpu, expect_surfaces(self.surfaces.as_ref()));
+        let mut painter = NativeLayers { context: work.context, surfaces };
+        let Poll::Ready(terms) = self.layers.draw(work, &mut painter, lights)? else {
             return Ok(Poll::Pending);
         };
         let terms = terms.unwrap_or(NativeTerms::Layers(Vec::new()));
-        let shown = (fill_factor, exposure);
-        let bytes = terms.with(|terms| relight::display(gpu.workers(), surfaces, terms, shown));
+        let bytes = terms.with(|terms| relight::display(gpu.workers(), surfaces, terms, fill_factor, exposure));
         gpu.stages.record_stage(FrameStage::Display);
         Ok(Poll::Ready(bytes))
     }
 
     /// Begins a sample with a sum of zero.
     pub fn begin_sample(&mut self, gpu: &Gpu) {
-        relight::sum(
-            gpu.workers(),
-            expect_surfaces(self.surfaces.as_ref()),
-            LayerTerms::Layers(&[]),
-            &mut self.sample_sum,
-        );
+        let surfaces = expect_surfaces(self.surfaces.as_ref());
+        relight::sum(gpu.workers(), surfaces, LayerTerms::Layers(&[]), &mut self.sample_sum);
     }
 
-    /// Adds the contribution of `light` to the current sample. `tile` is the part of the picture that these targets
-    /// hold. The pixels in `ready` are those of the whole picture.
+    /// Adds the contribution of `light` to the current sample. The context's tile is the part of the picture that these
+    /// targets hold. The pixels in `ready` are those of the whole picture.
     pub fn add_light(
         &mut self,
-        (gpu, scene): (&Gpu, &GpuScene),
+        &DrawContext { gpu, scene, tile, .. }: &DrawContext,
         light: &CheckedLight,
-        (ready, tile): (&ReadyLight<NativeLight>, Tile),
+        ready: &ReadyLight<NativeLight>,
     ) -> Result<(), RenderError> {
         let surfaces = expect_surfaces(self.surfaces.as_ref());
         let NativeLight { light: shape, map } = &ready.light;
         let scene = caster_scene(scene, ready.linked.as_deref());
         let pixels = tile.clip(ready.pixels);
-        let drawn = (pixels, factors(light));
-        relight::add_light(
-            gpu.workers(),
-            surfaces,
-            &scene,
-            (shape, map.as_deref()),
-            drawn,
-            &mut self.sample_sum,
-        )?;
+        let drawn = DrawnLight { light: shape, map: map.as_deref(), pixels };
+        relight::add_light(gpu.workers(), surfaces, &scene, drawn, factors(light), &mut self.sample_sum)?;
         gpu.stages.record_stage(FrameStage::Light);
-        gpu.stages.count(|counters| counters.scissor_pixels += u64::from(pixels[2]) * u64::from(pixels[3]));
+        gpu.stages.count(|counters| counters.scissor_pixels += area(pixels));
         Ok(())
     }
 
-    /// Writes the visibility of the light in `ready` as radiance. `tile` is the part of the picture that these targets
-    /// hold. The pixels in `ready` are those of the whole picture.
+    /// Writes the visibility of the light in `ready` as radiance, with tile and pixels as in [`Self::add_light`].
     pub fn draw_visibility(
         &mut self,
-        (gpu, scene): (&Gpu, &GpuScene),
-        (ready, tile): (Option<&ReadyLight<NativeLight>>, Tile),
+        &DrawContext { gpu, scene, tile, .. }: &DrawContext,
+        ready: Option<&ReadyLight<NativeLight>>,
     ) -> Result<(), RenderError> {
         let surfaces = expect_surfaces(self.surfaces.as_ref());
         let [width, height] = surfaces.size().map(|side| side as usize);
@@ -156,22 +143,23 @@ impl NativeTargets {
         let NativeLight { light, map } = &ready.light;
         let scene = caster_scene(scene, ready.linked.as_deref());
         let pixels = tile.clip(ready.pixels);
-        self.radiance =
-            relight::visibility_of(gpu.workers(), surfaces, &scene, (light, map.as_deref()), pixels)?;
+        let drawn = DrawnLight { light, map: map.as_deref(), pixels };
+        self.radiance = relight::visibility_of(gpu.workers(), surfaces, &scene, drawn)?;
         gpu.stages.record_stage(FrameStage::Light);
         Ok(())
     }
 
     /// Adds the current sample and the fill, times `weight`, to the radiance. The first sample replaces the radiance.
-    pub fn end_sample(&mut self, gpu: &Gpu, is_first: bool, (fill_factor, weight): (f32, f32)) {
+    pub fn end_sample(&mut self, gpu: &Gpu, is_first: bool, fill_factor: f32, weight: f32) {
         let surfaces = expect_surfaces(self.surfaces.as_ref());
         let [width, height] = surfaces.size().map(|side| side as usize);
         if is_first {
             self.radiance.clear();
             self.radiance.resize(width * height, [0.0; 4]);
         }
-        let (terms, added) = ([&self.sample_sum], (fill_factor, weight));
-        relight::add_sample(gpu.workers(), surfaces, LayerTerms::Sums(&terms), added, &mut self.radiance);
+        let terms = [&self.sample_sum];
+        let terms = LayerTerms::Sums(&terms);
+        relight::add_sample(gpu.workers(), surfaces, terms, fill_factor, weight, &mut self.radiance);
         gpu.stages.record_stage(FrameStage::Sum);
     }
 

@@ -4,13 +4,15 @@ use wgpu::BindGroupLayout;
 
 use crate::Gpu;
 use crate::bendy_light::BendyPass;
+use crate::camera::CameraRaster;
 use crate::composite::CompositePass;
 use crate::display::DisplayPass;
 use crate::gbuffer::GbufferPass;
-use crate::gpu_scene::SceneGroupLayouts;
+use crate::gpu_scene::{GpuScene, SceneGroupLayouts};
 use crate::lighting::LightingPass;
 use crate::pipeline::{STORAGE, UNIFORM};
 use crate::straight::StraightPass;
+use crate::tile::Tile;
 use crate::{linked, material, shaders};
 
 /// Pipelines of all passes. Renderers on one device share them.
@@ -24,6 +26,17 @@ pub(crate) struct Passes {
     pub bendy: BendyPass,
     pub composite: CompositePass,
     pub display: DisplayPass,
+}
+
+/// Scene that is drawn with a device's pipelines, as a camera sees it.
+#[derive(Clone, Copy)]
+pub(crate) struct DrawContext<'a> {
+    pub gpu: &'a Gpu,
+    pub passes: &'a Passes,
+    pub scene: &'a GpuScene,
+    pub raster: &'a CameraRaster,
+    /// Part of the picture that is drawn.
+    pub tile: Tile,
 }
 
 impl Passes {

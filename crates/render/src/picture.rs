@@ -118,10 +118,9 @@ impl Picture {
             Background::Black => (ColorType::Rgb, visualize(self, view, segments).into_raw()),
             Background::Transparent => {
                 let shown = visualize(&self.without_background(view.aov), view, segments);
-                let with_alpha =
-                    shown.pixels().zip(&self.pixels).flat_map(|(Rgb([r, g, b]), [.., alpha])| {
-                        [*r, *g, *b, (alpha.clamp(0.0, 1.0) * 255.0).round() as u8]
-                    });
+                let with_alpha = shown.pixels().zip(&self.pixels).flat_map(|(Rgb([r, g, b]), [.., alpha])| {
+                    [*r, *g, *b, (alpha.clamp(0.0, 1.0) * 255.0).round() as u8]
+                });
                 (ColorType::Rgba, with_alpha.collect())
             }
         };
@@ -176,16 +175,13 @@ type Color = [f32; 3];
 fn visualize(picture: &Picture, view: &View, segments: usize) -> RgbImage {
     let exposure = display::exposure_factor(view.exposure);
     let color: &dyn Fn(usize, [f32; 4]) -> Color = match view.aov {
-        Aov::Beauty => {
-            &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| display::exposed_radiance(c, exposure)))
-        }
+        Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| display::exposed_radiance(c, exposure))),
         Aov::Visibility => &|_, [x, y, z, _]| [x, y, z],
         Aov::Normal | Aov::Direction => &|_, [x, y, z, _]| [x, y, z].map(|c| 0.5 + 0.5 * c),
         Aov::Position => {
             let [x, y, z] = [0, 1, 2].map(|channel| range(picture, channel));
             &move |_, [a, b, c, _]| {
-                [(a, x), (b, y), (c, z)]
-                    .map(|(at, (low, high))| (at - low) / (high - low).max(f32::MIN_POSITIVE))
+                [(a, x), (b, y), (c, z)].map(|(at, (low, high))| (at - low) / (high - low).max(f32::MIN_POSITIVE))
             }
         }
         Aov::Depth => {
@@ -249,10 +245,7 @@ fn is_at_joint(picture: &Picture, index: usize) -> bool {
     let here = picture.pixels[index];
     let right = (index % width + 1 < width).then_some(index + 1);
     [right, Some(index + width)].into_iter().flatten().any(|neighbour| {
-        picture
-            .pixels
-            .get(neighbour)
-            .is_some_and(|&there| has_value(there) && here[0].floor() != there[0].floor())
+        picture.pixels.get(neighbour).is_some_and(|&there| has_value(there) && here[0].floor() != there[0].floor())
     })
 }
 
@@ -293,17 +286,13 @@ mod tests {
     /// Returns the bytes of a row of pixels.
     fn row(aov: Aov, pixels: &[[f32; 4]]) -> Vec<[u8; 3]> {
         let picture = Picture { width: pixels.len() as u32, height: 1, pixels: pixels.to_vec() };
-        let view = View {
-            aov,
-            ..View::beauty(framing_camera(&scene::pose(Scene::default()).bounds(), 1.0), [1, 1])
-        };
+        let view = View { aov, ..View::beauty(framing_camera(&scene::pose(Scene::default()).bounds(), 1.0), [1, 1]) };
         visualize(&picture, &view, 2).pixels().map(|pixel| pixel.0).collect()
     }
 
     #[test]
     fn what_has_no_value_is_black() {
-        for aov in [Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility, Aov::Wireframe]
-        {
+        for aov in [Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility, Aov::Wireframe] {
             assert_eq!(row(aov, &[[1.0, 1.0, 1.0, 0.0], [f32::NAN, f32::NAN, f32::NAN, 0.0]]), [[0; 3]; 2]);
         }
     }

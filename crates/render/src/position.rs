@@ -26,9 +26,8 @@ pub(crate) fn from_depths(view: &View, picture: &mut Picture) {
             continue;
         }
         let (x, y) = (index % view.width as usize, index / view.width as usize);
-        let at = |first: DVec3, right: DVec3, below: DVec3| {
-            first + (right - first) * x as f64 + (below - first) * y as f64
-        };
+        let at =
+            |first: DVec3, right: DVec3, below: DVec3| first + (right - first) * x as f64 + (below - first) * y as f64;
         let (origin, direction) = (at(first.0, right.0, below.0), at(first.1, right.1, below.1));
         let [x, y, z] = (origin + direction * f64::from(depth)).as_vec3().to_array();
         *pixel = [x, y, z, alpha];

@@ -1,8 +1,6 @@
 //! Readback of textures and buffers to CPU memory.
 
-use wgpu::{
-    Buffer, BufferUsages, BufferView, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, MapMode, Texture,
-};
+use wgpu::{Buffer, BufferUsages, BufferView, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, MapMode, Texture};
 
 use crate::{Gpu, RenderError};
 
@@ -18,21 +16,11 @@ pub(crate) fn read<T: bytemuck::Pod>(
     let row = width * size_of::<T>();
     let padded_row = padded(row);
     let size = (padded_row * height) as u64;
-    let limit = gpu.device.limits().max_buffer_size;
-    if size > limit {
-        return Err(RenderError::TooLarge {
-            what: "the picture in bytes",
-            size: size as f64,
-            limit: limit as f64,
-        });
-    }
+    RenderError::check_size("the picture in bytes", size, gpu.device.limits().max_buffer_size)?;
     let buffer = readback_buffer(gpu, size);
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(padded_row as u32),
-        rows_per_image: None,
-    };
+    let mut encoder = gpu.encoder();
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded_row as u32), rows_per_image: None };
     encoder.copy_texture_to_buffer(
         texture.as_image_copy(),
         wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
@@ -60,26 +48,16 @@ pub(crate) fn read_rows<const N: usize>(
 ) -> Result<(), RenderError> {
     let rows = textures.each_ref().map(|(texture, texel)| texel * texture.width() as usize);
     let size = padded_bytes(rows, count);
-    let limit = gpu.device.limits().max_buffer_size;
-    if size > limit {
-        let what = "the picture's G-buffer in bytes";
-        return Err(RenderError::TooLarge { what, size: size as f64, limit: limit as f64 });
-    }
+    RenderError::check_size("the picture's G-buffer in bytes", size, gpu.device.limits().max_buffer_size)?;
     let fits = staging.take().filter(|buffer| buffer.size() >= size);
     let buffer = staging.insert(fits.unwrap_or_else(|| readback_buffer(gpu, size)));
     let mut encoder = gpu.encoder();
     let mut offset = 0;
     for ((texture, _), row) in textures.iter().zip(rows) {
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset,
-            bytes_per_row: Some(padded(row) as u32),
-            rows_per_image: None,
-        };
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset, bytes_per_row: Some(padded(row) as u32), rows_per_image: None };
         encoder.copy_texture_to_buffer(
-            wgpu::TexelCopyTextureInfo {
-                origin: wgpu::Origin3d { x: 0, y: first, z: 0 },
-                ..texture.as_image_copy()
-            },
+            wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: first, z: 0 }, ..texture.as_image_copy() },
             wgpu::TexelCopyBufferInfo { buffer, layout },
             wgpu::Extent3d { height: count, ..texture.size() },
         );
@@ -119,7 +97,7 @@ fn readback_buffer(gpu: &Gpu, size: u64) -> Buffer {
 
 /// Reads back `buffer`, which must permit copies. Waits for all submitted work.
 pub(crate) fn read_buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<T>, RenderError> {
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut encoder = gpu.encoder();
     let copy = copy_for_readback(gpu, &mut encoder, buffer);
     gpu.queue.submit([encoder.finish()]);
     read_copy(gpu, &copy)

@@ -3,7 +3,7 @@
 mod layered;
 mod native;
 #[cfg(test)]
-mod seams;
+mod test_access;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,15 +16,13 @@ use crate::camera::{CameraRaster, sample_offset};
 use crate::gpu_scene::{GpuScene, SceneOnDevice};
 use crate::lights::ShadowMaps;
 use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
-use crate::passes::Passes;
+use crate::passes::{DrawContext, Passes};
 use crate::pause::{DrawnPiece, Pause};
 use crate::stages::{FrameStage, Recording};
 use crate::targets::{LitTargets, Targets, Viewers};
 use crate::tile::Tile;
 use crate::wgpu_maps::WgpuMaps;
-use crate::{
-    Aov, Backend, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, position, readback,
-};
+use crate::{Aov, Backend, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, position, readback};
 
 /// Draws pictures of one scene at a time, for any number of viewers.
 ///
@@ -74,8 +72,7 @@ impl Renderer {
     pub fn set_scene(&mut self, scene: &Arc<PosedScene>) -> Result<(), RenderError> {
         let mesh_error = self.shadow_maps.shadows().mesh_error;
         let layouts = &self.passes.group_layouts;
-        let uploaded =
-            self.gpu.with_error_scopes(|| SceneOnDevice::upload(&self.gpu, layouts, scene, mesh_error))?;
+        let uploaded = self.gpu.with_error_scopes(|| SceneOnDevice::upload(&self.gpu, layouts, scene, mesh_error))?;
         self.share_scene(uploaded)
     }
 
@@ -139,7 +136,7 @@ impl Renderer {
     pub fn render(&mut self, view: &View, lights: &[LightInstance]) -> Result<Picture, RenderError> {
         let aov = position::rendered_aov(view.aov);
         let pixels = self.with_whole(view, aov, lights, |renderer, gpu, targets| {
-            renderer.read_raw(gpu, targets, (aov, targets.size))
+            renderer.read_raw(gpu, targets, aov, targets.size)
         })?;
         let mut picture = Picture { width: view.width, height: view.height, pixels };
         if view.aov == Aov::Position {
@@ -173,7 +170,8 @@ impl Renderer {
         &self,
         gpu: &Gpu,
         targets: &Targets,
-        (aov, size): (Aov, [u32; 2]),
+        aov: Aov,
+        size: [u32; 2],
     ) -> Result<Vec<[f32; 4]>, RenderError> {
         match gpu.backend_of(aov) {
             Backend::Wgpu => readback::read(gpu, &targets.lit(gpu, &self.passes).radiance, size),
@@ -186,13 +184,14 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         targets: &Targets,
-        (size, exposure): ([u32; 2], f64),
+        size: [u32; 2],
+        exposure: f64,
     ) -> Result<Vec<u8>, RenderError> {
         if gpu.backend() == Backend::Native {
             return Ok(self.display_natively(gpu, targets, exposure));
         }
         let mut encoder = gpu.encoder();
-        targets.draw_display(gpu, &mut encoder, &self.passes, (None, exposure));
+        targets.draw_display(gpu, &mut encoder, &self.passes, None, exposure);
         gpu.end_stage(&mut encoder, FrameStage::Display)?;
         gpu.queue.submit([encoder.finish()]);
         self.pass_runs.note(Pass::Display, None, Cause::NotKept);
@@ -234,47 +233,42 @@ impl Renderer {
         if gpu.backend_of(drawing.view.aov) == Backend::Native {
             return self.draw_sample_natively(gpu, targets, drawing, tile, pause);
         }
-        let CheckedPicture { view, raster, light_range: wanted, samples, .. } = drawing;
+        let CheckedPicture { view, raster, light_range: needed, samples, .. } = drawing;
         let lights = &self.straightened_lights(view.aov, &drawing.lights);
         let Self { passes, scene, shadow_maps, pass_runs: ran, view_uniform, .. } = self;
         let (passes, scene) = (&**passes, &*scene);
-        shadow_maps.begin(view.slot, &lights[wanted.clone()], scene.revision);
+        shadow_maps.begin(view.slot, &lights[needed.clone()], scene.revision);
         targets.begin(scene.revision, view, tile, lights);
         let (sample, clear) = (targets.samples_drawn, targets.samples_drawn == 0);
         if sample == *samples {
             return Ok(true);
         }
         if view.aov == Aov::Wireframe {
-            let picture = (&targets.lit(gpu, passes).radiance_view, targets.size);
-            shadow_maps.draw_wireframe(gpu, (passes, scene), &lights[view.light].light, picture)?;
+            let picture = &targets.lit(gpu, passes).radiance_view;
+            shadow_maps.draw_wireframe(gpu, passes, scene, &lights[view.light].light, picture)?;
             ran.note(Pass::ShadowMap, Some(lights[view.light].id), Cause::NotKept);
             targets.samples_drawn = *samples;
             return Ok(true);
         }
         let offset = sample_offset(sample, *samples);
         let weight = 1.0 / *samples as f32;
-        let uniform =
-            raster.uniform(offset, weight, view.fill, scene.posed.origin_in_world, [tile.x, tile.y])?;
+        let uniform = raster.uniform(offset, weight, view.fill, scene.posed.origin_in_world, [tile.x, tile.y])?;
         gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
         let mut encoder = gpu.encoder();
+        let context = DrawContext { gpu, passes, scene, raster, tile };
         let mut base = targets.lights_drawn.is_none();
-        if base {
-            let onto = (raster, tile);
-            if let Some(cause) = targets.draw_gbuffer(gpu, &mut encoder, (passes, scene), onto, offset)? {
-                ran.note(Pass::Gbuffer, None, cause);
-                gpu.end_stage(&mut encoder, FrameStage::Gbuffer)?;
-            }
+        if base && let Some(cause) = targets.draw_gbuffer(&context, &mut encoder, offset)? {
+            ran.note(Pass::Gbuffer, None, cause);
+            gpu.end_stage(&mut encoder, FrameStage::Gbuffer)?;
         }
         let mut batch = Vec::new();
-        let first = wanted.start + targets.lights_drawn.unwrap_or(0);
-        for (index, light) in lights.iter().enumerate().take(wanted.end).skip(first) {
+        let first = needed.start + targets.lights_drawn.unwrap_or(0);
+        for (index, light) in lights.iter().enumerate().take(needed.end).skip(first) {
             if view.aov == Aov::Beauty && light.light.light_profile().is_dark() {
                 continue;
             }
-            let wanted_light = (light, view.shadow_map);
-            let mut maps = WgpuMaps { gpu, passes, scene, encoder: &mut encoder };
-            let ready = match shadow_maps.ready_light((gpu, &mut maps), (passes, scene, raster), wanted_light)
-            {
+            let mut maps = WgpuMaps { gpu, passes, encoder: &mut encoder };
+            let ready = match shadow_maps.ready_light(&mut maps, &context, light, view.shadow_map) {
                 // The other lights still count; `light::SceneBounds` reports this one to callers that ask.
                 Err(RenderError::OutOfReach(_)) if view.aov == Aov::Beauty => continue,
                 ready => ready?,
@@ -284,9 +278,9 @@ impl Renderer {
             if let Some(cause) = ready.shadow_map_cause {
                 ran.note(Pass::ShadowMap, Some(light.id), cause);
             }
-            let (drawn, passing) = (ready.shadow_map_cause.is_some(), ready.transient_map.is_some());
+            let (drawn, is_transient) = (ready.shadow_map_cause.is_some(), ready.transient_map.is_some());
             if drawn
-                && !passing
+                && !is_transient
                 && let Some(pause) = pause
             {
                 // The map is cached, so the light can wait.
@@ -298,28 +292,19 @@ impl Renderer {
             }
             batch.push(ready);
             // A map without room in the budget must be freed before the next one is drawn.
-            if passing || pause.is_some() {
-                let onto = (view.aov, tile);
-                targets.draw_lighting(
-                    gpu,
-                    &mut encoder,
-                    (passes, scene),
-                    onto,
-                    (base, base && clear),
-                    &batch,
-                )?;
+            if is_transient || pause.is_some() {
+                targets.draw_lighting(&context, &mut encoder, view.aov, base, base && clear, &batch)?;
                 gpu.submit_and_wait(&mut encoder)?;
                 batch.clear();
                 base = false;
-                targets.lights_drawn = Some(index + 1 - wanted.start);
-                if index + 1 < wanted.end && pause.is_some_and(|pause| pause(DrawnPiece::Pixels)) {
+                targets.lights_drawn = Some(index + 1 - needed.start);
+                if index + 1 < needed.end && pause.is_some_and(|pause| pause(DrawnPiece::Pixels)) {
                     return Ok(false);
                 }
             }
         }
         if base || !batch.is_empty() {
-            let onto = (view.aov, tile);
-            targets.draw_lighting(gpu, &mut encoder, (passes, scene), onto, (base, base && clear), &batch)?;
+            targets.draw_lighting(&context, &mut encoder, view.aov, base, base && clear, &batch)?;
         }
         gpu.queue.submit([encoder.finish()]);
         ran.note(Pass::Lighting, None, Cause::NotKept);
@@ -338,9 +323,7 @@ impl Renderer {
         let shows_curve = matches!(aov, Aov::T | Aov::Wireframe);
         let reach = self.scene.posed.bounds();
         let straightened = |light: &CheckedLight| {
-            let spot = light
-                .equivalent_spotlight()
-                .filter(|_| self.shadow_maps.shadows().straighten && !shows_curve);
+            let spot = light.equivalent_spotlight().filter(|_| self.shadow_maps.shadows().straighten && !shows_curve);
             // The curve may reach farther than can be drawn. The spotlight has no end points that could.
             spot.filter(|_| reach.check(light).is_ok()).cloned()
         };

@@ -6,8 +6,17 @@ macro_rules! wgsl {
     };
 }
 
-pub(crate) const GBUFFER: &str =
-    concat!("enable primitive_index;\n", wgsl!("view", "encoding", "material", "gbuffer"));
+/// Lighting pass of a light, whose own files follow those that all lights share.
+macro_rules! light_wgsl {
+    ($($own:literal),+) => {
+        concat!(
+            wgsl!("view", "encoding", "surface", "fullscreen", "brdf", "profile", "lighting"),
+            wgsl!("alpha_test", "nearby", "shadow_filter", $($own),+)
+        )
+    };
+}
+
+pub(crate) const GBUFFER: &str = concat!("enable primitive_index;\n", wgsl!("view", "encoding", "material", "gbuffer"));
 pub(crate) const FILL: &str = wgsl!("view", "encoding", "surface", "fullscreen", "fill");
 /// Shows AOVs of the surface.
 pub(crate) const INSPECT: &str = wgsl!("view", "encoding", "surface", "fullscreen", "inspect");
@@ -21,78 +30,18 @@ const NO_LINKS: &str = wgsl!("no_links");
 const SUBGROUPS: &str = wgsl!("subgroups");
 /// Replaces `SUBGROUPS` on devices without them.
 const NO_SUBGROUPS: &str = wgsl!("no_subgroups");
-pub(crate) const SPOT: &str = wgsl!(
-    "view",
-    "encoding",
-    "surface",
-    "fullscreen",
-    "brdf",
-    "profile",
-    "lighting",
-    "alpha_test",
-    "nearby",
-    "shadow_filter",
-    "cone",
-    "spot_faces",
-    "spot"
-);
-pub(crate) const OMNI: &str = wgsl!(
-    "view",
-    "encoding",
-    "surface",
-    "fullscreen",
-    "brdf",
-    "profile",
-    "lighting",
-    "alpha_test",
-    "nearby",
-    "shadow_filter",
-    "omni",
-    "omni_lookup"
-);
-pub(crate) const DIRECTIONAL: &str = wgsl!(
-    "view",
-    "encoding",
-    "surface",
-    "fullscreen",
-    "brdf",
-    "profile",
-    "lighting",
-    "alpha_test",
-    "nearby",
-    "shadow_filter",
-    "parallel",
-    "parallel_lookup"
-);
-pub(crate) const BENDY: &str = wgsl!(
-    "view",
-    "encoding",
-    "surface",
-    "fullscreen",
-    "brdf",
-    "profile",
-    "lighting",
-    "alpha_test",
-    "nearby",
-    "shadow_filter",
-    "curve",
-    "frame",
-    "solve",
-    "arc",
-    "emission",
-    "segment",
-    "tube",
-    "bent_lookup",
-    "bendy"
-);
+pub(crate) const SPOT: &str = light_wgsl!("cone", "spot_faces", "spot");
+pub(crate) const OMNI: &str = light_wgsl!("omni", "omni_lookup");
+pub(crate) const DIRECTIONAL: &str = light_wgsl!("parallel", "parallel_lookup");
+pub(crate) const BENDY: &str =
+    light_wgsl!("curve", "frame", "solve", "arc", "emission", "segment", "tube", "bent_lookup", "bendy");
 pub(crate) const LOCATE: &str =
     wgsl!("curve", "frame", "solve", "arc", "emission", "segment", "profile", "tube", "locate");
 /// Solves for the nearest points of curves, for measurements.
 pub(crate) const INCREASING_ROOTS: &str = wgsl!("curve", "solve", "increasing_roots");
 pub(crate) const BENT_MAP_VERTICES: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_vertices");
 /// Classifies triangles: drawn as they are, or passed on.
-pub(crate) const BENT_MAP_TRIANGLES: &str =
-    wgsl!("curve", "frame", "solve", "bent_map", "bent_map_triangles");
+pub(crate) const BENT_MAP_TRIANGLES: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_triangles");
 pub(crate) const BENT_MAP_CLIP: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_clip");
 /// Splits triangles that are not straight in the map.
 pub(crate) const BENT_MAP_SPLIT: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_split");
@@ -130,9 +79,9 @@ mod tests {
     use std::collections::{BTreeMap, BTreeSet};
 
     use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
-    use wgpu::naga::{AddressSpace, Block, Function, Handle, Module, Statement, TypeInner, front::wgsl};
+    use wgpu::naga::{AddressSpace, Function, Handle, Module, Statement, TypeInner, front::wgsl};
 
-    use super::compiled::all;
+    use super::compiled::{all, statements};
     use crate::bendy_light;
     use crate::gpu_structs::{self, StructLayout};
 
@@ -159,30 +108,18 @@ mod tests {
 
     /// Returns the names of the functions of `module`, and of those that an entry point calls.
     fn functions(module: &Module) -> (BTreeSet<&str>, BTreeSet<&str>) {
-        fn calls(block: &Block, found: &mut Vec<Handle<Function>>) {
-            for statement in block {
-                match statement {
-                    Statement::Call { function, .. } => found.push(*function),
-                    Statement::Block(inner) => calls(inner, found),
-                    Statement::If { accept, reject, .. } => {
-                        calls(accept, found);
-                        calls(reject, found);
-                    }
-                    Statement::Switch { cases, .. } => cases.iter().for_each(|c| calls(&c.body, found)),
-                    Statement::Loop { body, continuing, .. } => {
-                        calls(body, found);
-                        calls(continuing, found);
-                    }
-                    _ => {}
-                }
-            }
-        }
-        let mut open = Vec::new();
-        module.entry_points.iter().for_each(|entry| calls(&entry.function.body, &mut open));
+        let calls = |block| {
+            let called = |statement: &Statement| match statement {
+                Statement::Call { function, .. } => Some(*function),
+                _ => None,
+            };
+            statements(block).into_iter().filter_map(called)
+        };
+        let mut open: Vec<_> = module.entry_points.iter().flat_map(|entry| calls(&entry.function.body)).collect();
         let mut reached = BTreeSet::new();
         while let Some(handle) = open.pop() {
             if reached.insert(handle) {
-                calls(&module.functions[handle].body, &mut open);
+                open.extend(calls(&module.functions[handle].body));
             }
         }
         let name = |handle: Handle<Function>| module.functions[handle].name.as_deref().unwrap_or_default();
@@ -201,13 +138,12 @@ mod tests {
         assert!(all.len() >= 10);
         assert_eq!(all.difference(&reached).collect::<Vec<_>>(), Vec::<&&str>::new());
         // Deliberate fault that the check must detect: a function that no entry point calls.
-        let module =
-            parse("fault", "fn lost() {} fn used() {} @compute @workgroup_size(1) fn main() { used(); }");
+        let module = parse("fault", "fn lost() {} fn used() {} @compute @workgroup_size(1) fn main() { used(); }");
         assert_eq!(functions(&module), (["lost", "used"].into(), ["used"].into()));
     }
 
     fn rust_structs() -> impl Iterator<Item = &'static StructLayout> {
-        gpu_structs::ALL.iter().chain(bendy_light::gpu_structs::ALL)
+        gpu_structs::LAYOUTS.iter().chain(bendy_light::gpu_structs::LAYOUTS)
     }
 
     /// Size, and the name and offset of each field.
@@ -216,8 +152,7 @@ mod tests {
     fn structs(module: &Module) -> BTreeMap<String, WgslLayout> {
         let of_type = |inner: &TypeInner| match inner {
             TypeInner::Struct { members, span } => {
-                let member =
-                    |m: &wgpu::naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset as usize);
+                let member = |m: &wgpu::naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset as usize);
                 Some((*span as usize, members.iter().map(member).collect()))
             }
             _ => None,
@@ -231,8 +166,7 @@ mod tests {
         let Some((wgsl_size, wgsl_fields)) = wgsl.get(*name) else {
             return Some(format!("{name} is in no module"));
         };
-        let fields: Vec<_> =
-            fields.iter().filter(|f| !f.0.starts_with("pad")).map(|f| (f.0.to_owned(), f.1)).collect();
+        let fields: Vec<_> = fields.iter().filter(|f| !f.0.starts_with("pad")).map(|f| (f.0.to_owned(), f.1)).collect();
         (wgsl_size != size || *wgsl_fields != fields)
             .then(|| format!("{name}: Rust has {size} {fields:?}, WGSL has {wgsl_size} {wgsl_fields:?}"))
     }

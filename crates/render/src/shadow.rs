@@ -10,7 +10,10 @@ use crate::closed_components::TriangleComponent;
 use crate::geometry::Geometry;
 use crate::gpu_scene::GpuScene;
 use crate::in_view::visible_runs;
-use crate::pipeline::{MapTarget, UNIFORM, depth_attachment, reversed_depth_test, vertex_buffers};
+use crate::pipeline::{
+    DrawPipeline, INFINITELY_FAR, MapTarget, UNIFORM, cut_into_parts, depth_attachment, reversed_depth_test,
+    vertex_buffers,
+};
 use crate::shadow_settings::{Culling, MapSize};
 use crate::{Gpu, RenderError, gpu_structs, shaders};
 
@@ -30,32 +33,26 @@ pub(crate) struct ShadowMap {
     views: Vec<(Buffer, wgpu::BindGroup)>,
 }
 
+/// Views of the faces of a map from its light.
+pub(crate) struct ShadowViews<'a> {
+    /// One entry per layer; `None` for a face without casters.
+    pub faces: &'a [Option<gpu_structs::ShadowView>],
+    /// Point in scene space where light begins; `None` means outside the scene.
+    pub source: Option<DVec3>,
+    pub culling: Culling,
+}
+
 impl ShadowPass {
     pub fn new(gpu: &Gpu, material_layout: &BindGroupLayout) -> Self {
         let layout = gpu.bind_group_layout("shadow", &[UNIFORM]);
         let buffers = vertex_buffers();
-        let pipeline = |wgsl, groups: &[&BindGroupLayout], vertex, fragment, buffers, cull_mode| {
-            let module = gpu.shader_module("shadow", wgsl);
-            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(vertex),
+        let pipeline = |wgsl, groups: &[&BindGroupLayout], vertex, fragment, vertex_buffers, cull_mode| {
+            gpu.draw_pipeline(DrawPipeline {
                 layout: Some(&gpu.pipeline_layout("shadow", groups)),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some(vertex),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers,
-                },
-                primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
+                vertex_buffers,
+                cull_mode,
                 depth_stencil: Some(reversed_depth_test()),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Option::map(fragment, |entry_point| wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[],
-                }),
-                multiview_mask: None,
-                cache: None,
+                ..DrawPipeline::new(vertex, &gpu.shader_module("shadow", wgsl), vertex, fragment)
             })
         };
         // Both sides of an open component cast: light hits a surface regardless of its modeled side.
@@ -83,19 +80,18 @@ impl ShadowPass {
 
     /// Draws the casters into each layer by its view; layers without a view are cleared. Returns the number of
     /// processed opaque triangles. A scene with a great depth complexity is drawn in parts, with a yield after each.
-    ///
-    /// Light begins at `source`, in scene space; `None` means outside the scene.
     pub fn draw(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         into: &ShadowMap,
-        (views, source, culling): (&[Option<gpu_structs::ShadowView>], Option<DVec3>, Culling),
-        (scene, casting): (&GpuScene, &CasterSet),
+        ShadowViews { faces, source, culling }: ShadowViews,
+        scene: &GpuScene,
+        casting: &CasterSet,
     ) -> Result<u64, RenderError> {
         let mut triangles = 0;
         let parts = scene.part_count(gpu, u64::from(into.target.size.side).pow(2));
-        for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(views) {
+        for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(faces) {
             let Some(view) = view else {
                 drop(begin(encoder, layer, group, true));
                 continue;
@@ -104,30 +100,20 @@ impl ShadowPass {
             let seen = visible_runs(casting.casters, &view.clip_from_scene, source, culling);
             triangles += seen.iter().map(|(indices, _)| indices.len() as u64 / 3).sum::<u64>();
             let runs = self.runs(&scene.geometry, casting, &seen);
-            let all: u32 = runs.iter().map(|run| run.indices.end - run.indices.start).sum();
-            let most_indices = if parts == 1 { u32::MAX } else { 3 * (all / 3 / parts).max(1) };
-            let mut left = most_indices;
             let mut pass = begin(encoder, layer, group, true);
-            let mut bound = None;
-            for run in &runs {
+            let mut bound: Option<&ShadowRun> = None;
+            for (run, indices, ends_part) in cut_into_parts(runs.iter().map(|run| (run, run.indices.clone())), parts) {
                 if bound.is_none_or(|bound| run.binds_other_than(bound)) {
                     run.bind(&mut pass);
                 }
                 bound = Some(run);
-                let mut indices = run.indices.clone();
-                while !indices.is_empty() {
-                    let end = indices.end.min(indices.start.saturating_add(left));
-                    pass.draw_indexed(indices.start..end, 0, 0..1);
-                    left -= end - indices.start;
-                    indices.start = end;
-                    if left == 0 {
-                        drop(pass);
-                        gpu.submit_and_wait(encoder)?;
-                        gpu.yield_point()?;
-                        pass = begin(encoder, layer, group, false);
-                        run.bind(&mut pass);
-                        left = most_indices;
-                    }
+                pass.draw_indexed(indices, 0, 0..1);
+                if ends_part {
+                    drop(pass);
+                    gpu.submit_and_wait(encoder)?;
+                    gpu.yield_point()?;
+                    pass = begin(encoder, layer, group, false);
+                    bound = None;
                 }
             }
         }
@@ -141,25 +127,25 @@ impl ShadowPass {
         casting: &CasterSet<'a>,
         seen: &[(Range<u32>, TriangleComponent)],
     ) -> Vec<ShadowRun<'a>> {
-        let CasterSet { casters, alpha_tested: masked, .. } = *casting;
-        let opaque = TriangleComponent::ALL.into_iter().flat_map(|shell| {
-            let of_shell = seen.iter().filter(move |(_, own)| *own == shell);
-            of_shell.map(move |(indices, _)| ShadowRun {
-                pipeline: &self.opaque[shell as usize],
+        let CasterSet { casters, alpha_tested, .. } = *casting;
+        let opaque = TriangleComponent::ALL.into_iter().flat_map(|component| {
+            let of_component = seen.iter().filter(move |(_, own)| *own == component);
+            of_component.map(move |(indices, _)| ShadowRun {
+                pipeline: &self.opaque[component as usize],
                 material: None,
                 vertices: [Some(&casters.positions), None],
                 index_buffer: &casters.indices,
                 indices: indices.clone(),
             })
         });
-        let masked = masked.iter().map(|draw| ShadowRun {
+        let alpha_tested = alpha_tested.iter().map(|draw| ShadowRun {
             pipeline: &self.alpha_tested,
             material: Some(&draw.material),
             vertices: [Some(&geometry.positions), Some(&geometry.attributes)],
             index_buffer: &geometry.indices,
             indices: draw.indices.clone(),
         });
-        opaque.chain(masked).collect()
+        opaque.chain(alpha_tested).collect()
     }
 }
 
@@ -191,15 +177,10 @@ impl ShadowRun<'_> {
 }
 
 /// Begins a render pass on a layer, which is cleared if `clears`.
-fn begin<'e>(
-    encoder: &'e mut CommandEncoder,
-    layer: &TextureView,
-    group: &BindGroup,
-    clears: bool,
-) -> RenderPass<'e> {
+fn begin<'e>(encoder: &'e mut CommandEncoder, layer: &TextureView, group: &BindGroup, clears: bool) -> RenderPass<'e> {
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("shadow"),
-        depth_stencil_attachment: Some(depth_attachment(layer, clears)),
+        depth_stencil_attachment: Some(depth_attachment(layer, clears.then_some(INFINITELY_FAR))),
         ..Default::default()
     });
     pass.set_bind_group(0, group, &[]);

@@ -97,20 +97,13 @@ impl ShadowSettings {
 
     /// Returns an error for settings that permit no map.
     pub(crate) fn check(&self, largest_texture: u32) -> Result<(), RenderError> {
-        if self.resolution > largest_texture {
-            let (size, limit) = (f64::from(self.resolution), f64::from(largest_texture));
-            return Err(RenderError::TooLarge { what: "the resolution of shadow maps", size, limit });
-        }
+        RenderError::check_size("the resolution of shadow maps", self.resolution.into(), largest_texture.into())?;
         if self.resolution < Self::MIN_RESOLUTION {
-            return Err(RenderError::InvalidShadows(
-                "their maps have fewer than 16 texels a side; give them more",
-            ));
+            return Err(RenderError::InvalidShadows("their maps have fewer than 16 texels a side; give them more"));
         }
         let fine = |texels: f32| texels.is_nan() || texels < Self::MIN_EDGE_ERROR_TEXELS;
         if self.edge_error_texels.is_some_and(fine) {
-            return Err(RenderError::InvalidShadows(
-                "their edges are held to less than 0.05 texels; allow more",
-            ));
+            return Err(RenderError::InvalidShadows("their edges are held to less than 0.05 texels; allow more"));
         }
         if !(self.mesh_error >= 0.0 && self.mesh_error.is_finite()) {
             return Err(RenderError::InvalidShadows(

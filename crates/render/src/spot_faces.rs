@@ -4,17 +4,12 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use light::Light;
 use light::parameters::CONE_ANGLE;
 
-use crate::clusters::{Clusters, OpenSide};
+use crate::clusters::{Clusters, MapCover, OpenSide};
+use crate::map_views::{FaceCover, FittedFace, MARGIN_TEXELS, SMALLEST_SHARE};
 
 /// Largest half angle of a single face, in degrees. With a wider one the texels at its center, where they are widest as
 /// angles, would be wider than those of cube faces at half the resolution.
 const MAX_FACE_HALF_ANGLE_DEGREES: f64 = 60.0;
-/// Margin around casters in texels, so that the filter reads only texels that are drawn.
-const MARGIN_TEXELS: f64 = 2.0;
-/// Smallest fitted share of a face. Neither axis is fitted to less than a quarter of the other. Finer texels are below
-/// the rounding error of positions.
-const SMALLEST_SHARE: f64 = 1.0 / 128.0;
-const SMALLEST_RATIO: f64 = 0.25;
 
 /// Matrix from light space to a face's (x, y, depth).
 const FRONT: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::NEG_Z);
@@ -36,12 +31,7 @@ pub(crate) fn face_count(light: &Light) -> usize {
 pub(crate) struct SpotFace {
     /// Matrix from light space to (x, y, depth).
     pub axes: DMat3,
-    /// Center of the drawn part, as x / depth and y / depth.
-    pub center: DVec2,
-    /// Half the size of the drawn part.
-    pub half: DVec2,
-    /// False if there are no casters: the face need not be drawn.
-    pub has_casters: bool,
+    pub fitted: FittedFace,
 }
 
 /// The faces of a light's map, fitted to a scene.
@@ -73,83 +63,41 @@ impl FittedFaces {
                 _ => (DVec2::new(-1.0, tan_outer.recip()), DVec2::ONE),
             };
             let (middle, widest) = ((low + high) / 2.0, (high - low) / 2.0 * grown);
-            let mut bounds = SpotFaceCover::EMPTY;
-            for tree in clusters.casting_trees(clusters.open_sides(comes_in)) {
-                tree.walk(|cluster, has_more| {
-                    let corners = cluster.corners().map(|p| axes * light_from_scene.transform_point3(p));
-                    let Some(here) = SpotFaceCover::of(&corners, middle - widest, middle + widest) else {
-                        return false;
-                    };
-                    if !has_more {
-                        bounds.extend(&here);
-                    }
-                    has_more && !bounds.contains(&here)
-                });
-            }
-            nearest = nearest.min(bounds.depth);
-            let casts = bounds.depth < f64::INFINITY;
-            let (low, high) = if casts { (bounds.low, bounds.high) } else { (low, high) };
-            let half = (high - low) / 2.0;
-            let least = (half.max_element() * SMALLEST_RATIO).max(widest.max_element() * SMALLEST_SHARE);
-            let half = (half.max(DVec2::splat(least)) * grown).min(widest);
-            // Grown, but no farther than the filter reads beyond the face.
-            let room = widest - half;
-            let center = ((low + high) / 2.0).clamp(middle - room, middle + room);
-            SpotFace { axes, center, half, has_casters: casts }
+            let mut cover = FaceCover::EMPTY;
+            cover.extend_by_leaves(clusters.casting_trees(clusters.open_sides(comes_in)), |cluster| {
+                let corners = cluster.corners().map(|p| axes * light_from_scene.transform_point3(p));
+                cover_of_box(&corners, middle - widest, middle + widest)
+            });
+            nearest = nearest.min(cover.nearest);
+            SpotFace { axes, fitted: cover.fitted([low, high], grown, widest.max_element() * SMALLEST_SHARE) }
         };
-        let faces =
-            CUBE.into_iter().take(face_count(light)).enumerate().map(|(k, axes)| face(k, axes)).collect();
+        let faces = CUBE.into_iter().take(face_count(light)).enumerate().map(|(k, axes)| face(k, axes)).collect();
         Self { faces, nearest }
     }
 }
 
-/// Part of a face that boxes cover.
-#[derive(Clone, Copy, Debug)]
-struct SpotFaceCover {
-    low: DVec2,
-    high: DVec2,
-    depth: f64,
-}
-
-impl SpotFaceCover {
-    const EMPTY: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, depth: f64::INFINITY };
-
-    /// Returns the cover of a box with these corners in the face's (x, y, depth), within the slopes `least` to `most`;
-    /// `None` if no part of it is there.
-    fn of(corners: &[DVec3; 8], least: DVec2, most: DVec2) -> Option<Self> {
-        let (min, max) =
-            corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
-        // Depth on a face is at least the distance from the axis divided by the face's limit.
-        let aside = min.max(-max).max(DVec3::ZERO);
-        let aside = aside.truncate() / least.abs().max(most.abs());
-        let depth = min.z.max(aside.max_element());
-        if !(max.z > 0.0 && depth <= max.z) {
-            return None;
-        }
-        let (low, high) = if min.z > 0.0 {
-            let slopes = corners.map(|p| p.truncate() / p.z);
-            (
-                slopes.into_iter().fold(DVec2::INFINITY, DVec2::min),
-                slopes.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max),
-            )
-        } else if depth > 0.0 {
-            let least = |x: f64| if x > 0.0 { x / max.z } else { x / depth };
-            (DVec2::new(least(min.x), least(min.y)), -DVec2::new(least(-max.x), least(-max.y)))
-        } else {
-            (DVec2::NEG_INFINITY, DVec2::INFINITY)
-        };
-        let (low, high) = (low.max(least), high.min(most));
-        low.cmple(high).all().then_some(Self { low, high, depth: depth.max(0.0) })
+/// Returns the cover of a box with these corners in a face's (x, y, depth), within the slopes `least` to `most`; `None`
+/// if no part of it is there.
+fn cover_of_box(corners: &[DVec3; 8], least: DVec2, most: DVec2) -> Option<FaceCover> {
+    let (min, max) = corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
+    // Depth on a face is at least the distance from the axis divided by the face's limit.
+    let aside = min.max(-max).max(DVec3::ZERO);
+    let aside = aside.truncate() / least.abs().max(most.abs());
+    let depth = min.z.max(aside.max_element());
+    if !(max.z > 0.0 && depth <= max.z) {
+        return None;
     }
-
-    fn contains(&self, other: &Self) -> bool {
-        self.low.cmple(other.low).all() && self.high.cmpge(other.high).all() && self.depth <= other.depth
-    }
-
-    fn extend(&mut self, other: &Self) {
-        (self.low, self.high) = (self.low.min(other.low), self.high.max(other.high));
-        self.depth = self.depth.min(other.depth);
-    }
+    let (low, high) = if min.z > 0.0 {
+        let slopes = corners.map(|p| p.truncate() / p.z);
+        (slopes.into_iter().fold(DVec2::INFINITY, DVec2::min), slopes.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max))
+    } else if depth > 0.0 {
+        let least = |x: f64| if x > 0.0 { x / max.z } else { x / depth };
+        (DVec2::new(least(min.x), least(min.y)), -DVec2::new(least(-max.x), least(-max.y)))
+    } else {
+        (DVec2::NEG_INFINITY, DVec2::INFINITY)
+    };
+    let (low, high) = (low.max(least), high.min(most));
+    low.cmple(high).all().then_some(FaceCover { low, high, nearest: depth.max(0.0) })
 }
 
 #[cfg(test)]

@@ -105,8 +105,7 @@ impl Stopwatch {
     pub fn lap(&mut self) -> StageCost {
         let now = Self::start();
         let ms = |duration: Duration| duration.as_secs_f64() * 1000.0;
-        let cost =
-            StageCost { wall_ms: ms(now.wall - self.wall), cpu_ms: ms(now.cpu.saturating_sub(self.cpu)) };
+        let cost = StageCost { wall_ms: ms(now.wall - self.wall), cpu_ms: ms(now.cpu.saturating_sub(self.cpu)) };
         *self = now;
         cost
     }
@@ -155,7 +154,7 @@ impl Recording {
     }
 }
 
-/// Records the stages of threads on a device, separately for each thread that requests it.
+/// Records the costs of frame stages on a device, separately for each thread that requests it.
 #[derive(Debug, Default)]
 pub(crate) struct StageRecorder(Mutex<Vec<ThreadRecording>>);
 
@@ -172,14 +171,15 @@ impl StageRecorder {
         self.lock().push(ThreadRecording { thread, recording, watch: Stopwatch::start() });
     }
 
-    /// Stops recording this thread, and returns the result.
+    /// Stops recording the stages of this thread, and returns their costs.
     pub fn stop(&self) -> Recording {
         let (mut all, thread) = (self.lock(), thread::current().id());
         let own = all.iter().position(|running| running.thread == thread);
         own.map_or_else(Recording::default, |own| all.swap_remove(own).recording)
     }
 
-    /// True if stages of this thread are recorded, and so submitted one by one.
+    /// True if the costs of frame stages on this thread are recorded. Then each stage is submitted to the device by
+    /// itself and waited for.
     pub fn is_recording(&self) -> bool {
         self.with_own(|_| ()).is_some()
     }
@@ -192,7 +192,7 @@ impl StageRecorder {
         });
     }
 
-    /// Adds to the work of the frame.
+    /// Adds to the frame's amounts of work, if this thread is recorded.
     pub fn count(&self, add: impl FnOnce(&mut WorkCounters)) {
         self.with_own(|running| add(&mut running.recording.counters));
     }
@@ -228,9 +228,7 @@ mod tests {
             (recording.runs(FrameStage::Readback), recording.counters.bytes, recorder.is_recording())
         };
         let [three, five] = thread::scope(|scope| {
-            [3, 5]
-                .map(|bytes| scope.spawn(move || record(bytes)))
-                .map(|thread| thread.join().expect("recorded"))
+            [3, 5].map(|bytes| scope.spawn(move || record(bytes))).map(|thread| thread.join().expect("recorded"))
         });
         assert_eq!((three, five), ((3, 3, false), (5, 5, false)));
         // No thread records.

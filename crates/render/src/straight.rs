@@ -1,30 +1,25 @@
 //! Lights with straight rays, whose maps are drawn with ordinary matrices. `spot.rs`, `omni.rs` and `directional.rs`
 //! place, fit and look up each shape.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 use light::{CheckedLight, Cone, LightProfile, LightRays, Omni, Parallel};
 use scene::PosedScene;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, CommandEncoder, Sampler};
+use wgpu::{BindGroup, BindGroupLayout, BindingType, BufferUsages, CommandEncoder};
 
 use crate::baked_filter::BakedFilter;
-use crate::directional::{self, DirectionalMapFit, GpuDirectional};
+use crate::directional::{self, DirectionalMapFit};
 use crate::gpu_scene::{GpuScene, SceneGroupLayouts};
-use crate::lighting::{LightingPass, PassVariants};
-use crate::linked::{LinkedCasters, caster_set};
+use crate::lighting::{LightConstants, LightPasses};
+use crate::linked::CasterSource;
 use crate::map_key::MapKey;
-use crate::map_views::MapViews;
-use crate::omni::{self, GpuOmni};
-use crate::omni_faces::FittedCube;
+use crate::map_views::PlacedLight;
+use crate::omni_faces::{self, FittedCube};
 use crate::pipeline::{NON_FILTERING, RAW_TEXTURE_LAYERS, UNIFORM};
-use crate::shadow::{ShadowMap, ShadowPass};
+use crate::shadow::{ShadowMap, ShadowPass, ShadowViews};
 use crate::shadow_settings::{MapSize, with_filter};
-use crate::spot::{self, BakedSpot, GpuSpot};
-use crate::spot_faces::FittedFaces;
+use crate::spot_faces::{self, FittedFaces};
 use crate::stages::FrameStage;
-use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, shaders};
+use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, omni, shaders, spot};
 
 /// Bindings of group 2 in the lighting passes of straight lights; see `spot.wgsl`.
 const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
@@ -39,10 +34,20 @@ pub(crate) enum StraightLight<'a> {
 
 /// Values of a light that are compiled into its lighting pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum BakedStraight {
-    Spot(BakedSpot),
-    Omni(ShadowFilter, BakedFilter),
-    Directional(ShadowFilter, BakedFilter),
+pub(crate) struct BakedStraight {
+    shape: BakedShape,
+    filter: ShadowFilter,
+    light_profile: BakedFilter,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum BakedShape {
+    Spot {
+        /// True if the map has the faces of a cube; see `spot_faces.wgsl`.
+        cube: bool,
+    },
+    Omni,
+    Directional,
 }
 
 /// Part of a scene that a light's shadow map shows.
@@ -51,37 +56,6 @@ pub(crate) enum Fitted {
     Spot(FittedFaces),
     Omni(Box<FittedCube>),
     Directional(DirectionalMapFit),
-}
-
-/// Light in a scene: its uniform, and the projections of its map.
-#[derive(Clone, Debug)]
-pub(crate) enum Placed {
-    Spot(GpuSpot),
-    Omni(GpuOmni),
-    Directional(GpuDirectional),
-}
-
-impl Placed {
-    fn uniform(&self) -> &[u8] {
-        match self {
-            Self::Spot(spot) => bytemuck::bytes_of(&spot.uniform),
-            Self::Omni(omni) => bytemuck::bytes_of(&omni.uniform),
-            Self::Directional(directional) => bytemuck::bytes_of(&directional.uniform),
-        }
-    }
-
-    pub fn views(&self) -> &MapViews {
-        match self {
-            Self::Spot(spot) => &spot.views,
-            Self::Omni(omni) => &omni.views,
-            Self::Directional(directional) => &directional.views,
-        }
-    }
-}
-
-pub(crate) struct ReadyStraight {
-    pub group: BindGroup,
-    pub drawn: bool,
 }
 
 impl<'a> StraightLight<'a> {
@@ -95,29 +69,29 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    pub fn map_size(self, shadows: &ShadowSettings) -> MapSize {
+    /// Returns the number of faces of the light's map.
+    pub fn face_count(self) -> usize {
         match self {
-            Self::Spot(light, _) => spot::map_size(light.light(), shadows),
-            Self::Omni(_) => omni::map_size(shadows),
-            Self::Directional(_) => directional::map_size(shadows),
+            Self::Spot(light, _) => spot_faces::face_count(light.light()),
+            Self::Omni(_) => omni_faces::FACES,
+            Self::Directional(_) => 1,
         }
     }
 
     pub fn baked(self, filter: ShadowFilter) -> BakedStraight {
-        match self {
-            Self::Spot(light, _) => BakedStraight::Spot(BakedSpot::of(light, filter)),
-            Self::Omni(omni) => BakedStraight::Omni(filter, BakedFilter::of(&omni.light_profile)),
-            Self::Directional(parallel) => {
-                BakedStraight::Directional(filter, BakedFilter::of(&parallel.light_profile))
-            }
-        }
+        let shape = match self {
+            Self::Spot(..) => BakedShape::Spot { cube: self.face_count() > 1 },
+            Self::Omni(_) => BakedShape::Omni,
+            Self::Directional(_) => BakedShape::Directional,
+        };
+        BakedStraight { shape, filter, light_profile: BakedFilter::of(self.light_profile()) }
     }
 
-    pub fn light_profile(self) -> &'a LightProfile {
+    fn light_profile(self) -> &'a LightProfile {
         match self {
-            Self::Spot(_, cone) => &cone.light_profile,
-            Self::Omni(omni) => &omni.light_profile,
-            Self::Directional(parallel) => &parallel.light_profile,
+            Self::Spot(_, Cone { light_profile, .. })
+            | Self::Omni(Omni { light_profile, .. })
+            | Self::Directional(Parallel { light_profile, .. }) => light_profile,
         }
     }
 
@@ -143,12 +117,10 @@ impl<'a> StraightLight<'a> {
     pub fn fit_map(self, scene: &GpuScene, shadows: &ShadowSettings) -> Fitted {
         let shadowed = self.light_profile().shadow_enable;
         match self {
-            Self::Spot(light, cone) if shadowed => {
-                Fitted::Spot(spot::fit_map((light.light(), cone), scene, shadows))
-            }
+            Self::Spot(light, cone) if shadowed => Fitted::Spot(spot::fit_map(light.light(), cone, scene, shadows)),
             Self::Spot(..) => Fitted::Spot(FittedFaces::NONE),
             Self::Omni(omni) if shadowed => Fitted::Omni(Box::new(omni::fit_map(omni, scene, shadows))),
-            Self::Omni(_) => Fitted::Omni(Box::new(FittedCube::none())),
+            Self::Omni(_) => Fitted::Omni(Box::new(FittedCube::NONE)),
             Self::Directional(parallel) if shadowed => {
                 Fitted::Directional(directional::fit_map(parallel, scene, shadows))
             }
@@ -158,16 +130,12 @@ impl<'a> StraightLight<'a> {
 
     /// Makes the uniform and the projections of the light in a scene. `fitted` must be the fit of a light of the same
     /// shape.
-    pub fn placed(self, fitted: &Fitted, scene: &GpuScene, shadows: &ShadowSettings) -> Placed {
+    pub fn placed(self, fitted: &Fitted, scene: &GpuScene, shadows: &ShadowSettings) -> PlacedLight {
         match (self, fitted) {
-            (Self::Spot(_, cone), Fitted::Spot(fitted)) => {
-                Placed::Spot(GpuSpot::new(cone, scene, shadows, fitted))
-            }
-            (Self::Omni(omni), Fitted::Omni(fitted)) => {
-                Placed::Omni(GpuOmni::new(omni, scene, shadows, fitted))
-            }
+            (Self::Spot(_, cone), Fitted::Spot(fitted)) => spot::placed(cone, scene, shadows, fitted),
+            (Self::Omni(omni), Fitted::Omni(fitted)) => omni::placed(omni, scene, shadows, fitted),
             (Self::Directional(parallel), Fitted::Directional(fitted)) => {
-                Placed::Directional(GpuDirectional::new(parallel, scene, shadows, fitted))
+                directional::placed(parallel, scene, shadows, fitted)
             }
             _ => unreachable!("a light keeps its shape while its key stays the same"),
         }
@@ -177,20 +145,28 @@ impl<'a> StraightLight<'a> {
 impl BakedStraight {
     #[cfg(test)]
     pub fn all() -> impl Iterator<Item = Self> {
-        let filters = BakedFilter::samples().into_iter();
-        let others = filters.zip(ShadowFilter::ALL.into_iter().cycle());
-        let others = others.flat_map(|(light, map)| [Self::Omni(map, light), Self::Directional(map, light)]);
-        BakedSpot::all().map(Self::Spot).chain(others)
+        let with = |shape, filter, light_profile| Self { shape, filter, light_profile };
+        let spot = |cube| BakedShape::Spot { cube };
+        let [plain, rest @ ..] = BakedFilter::samples();
+        let filters = ShadowFilter::ALL.into_iter();
+        let spots = filters.clone().flat_map(move |filter| [false, true].map(|cube| with(spot(cube), filter, plain)));
+        let spots = spots.chain(rest.map(|profile| with(spot(false), ShadowFilter::Nearest, profile)));
+        let others = BakedFilter::samples().into_iter().zip(filters.cycle()).flat_map(move |(profile, filter)| {
+            [BakedShape::Omni, BakedShape::Directional].map(|shape| with(shape, filter, profile))
+        });
+        spots.chain(others)
     }
+}
 
-    /// Returns a label, and WGSL with the constants in it.
-    pub fn wgsl(self) -> (&'static str, String) {
-        match self {
-            Self::Spot(baked) => ("spot", baked.into_wgsl(shaders::SPOT)),
-            Self::Omni(map, light) => ("omni", light.into_wgsl(&with_filter(map, shaders::OMNI))),
-            Self::Directional(map, light) => {
-                ("directional", light.into_wgsl(&with_filter(map, shaders::DIRECTIONAL)))
+impl LightConstants for BakedStraight {
+    fn wgsl(self) -> (&'static str, String) {
+        let with_constants = |wgsl| self.light_profile.into_wgsl(&with_filter(self.filter, wgsl));
+        match self.shape {
+            BakedShape::Spot { cube } => {
+                ("spot", format!("const SHADOW_CUBE = {cube};\n{}", with_constants(shaders::SPOT)))
             }
+            BakedShape::Omni => ("omni", with_constants(shaders::OMNI)),
+            BakedShape::Directional => ("directional", with_constants(shaders::DIRECTIONAL)),
         }
     }
 }
@@ -199,10 +175,7 @@ impl BakedStraight {
 #[derive(Debug)]
 pub(crate) struct StraightPass {
     shadow: ShadowPass,
-    lighting: PassVariants<BakedStraight>,
-    /// Layouts of the view, the surface, the light and the links.
-    group_layouts: [BindGroupLayout; 4],
-    sampler: Sampler,
+    pub lighting: LightPasses<BakedStraight>,
 }
 
 /// Cached shadow map of one straight light.
@@ -230,61 +203,42 @@ impl StraightSlot {
 impl StraightPass {
     /// Compiles the pipelines. `camera_groups` are the layouts of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], scene: &SceneGroupLayouts) -> Self {
-        let ([view, surface], own) = (camera_groups, gpu.bind_group_layout("straight light", &BINDINGS));
         Self {
             shadow: ShadowPass::new(gpu, &scene.material),
-            lighting: PassVariants::new(),
-            group_layouts: [view.clone(), surface.clone(), own, scene.links.clone()],
-            sampler: gpu
-                .device
-                .create_sampler(&wgpu::SamplerDescriptor { label: Some("shadow"), ..Default::default() }),
+            lighting: LightPasses::new(gpu, "straight light", &BINDINGS, camera_groups, &scene.links),
         }
-    }
-
-    /// Returns the lighting pass with the compiled-in values `baked`, for lights with links if `linked`.
-    pub fn lighting(&self, gpu: &Gpu, baked: BakedStraight, linked: bool) -> Arc<LightingPass> {
-        self.lighting.get(baked, linked, || {
-            let (label, wgsl) = baked.wgsl();
-            LightingPass::of_light(gpu, label, &wgsl, linked, self.group_layouts.each_ref())
-        })
     }
 
     pub fn slot(&self, gpu: &Gpu, size: MapSize) -> StraightSlot {
         StraightSlot { map: self.shadow.new_map(gpu, size), shown: None }
     }
 
-    /// Updates the shadow map in `slot` for `light`, with the casters that `linked` selects.
+    /// Updates the shadow map in `slot` for `light`. Returns group 2 of its lighting pass, and true if the map was
+    /// drawn.
     pub fn prepare(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         slot: &mut StraightSlot,
-        (key, light): (MapKey, StraightLight),
-        (scene, linked, shadows): (&GpuScene, Option<&LinkedCasters>, &ShadowSettings),
-    ) -> Result<ReadyStraight, RenderError> {
+        key: MapKey,
+        light: StraightLight,
+        source: CasterSource,
+    ) -> Result<(BindGroup, bool), RenderError> {
+        let CasterSource { scene, shadows, .. } = source;
         let kept = slot.shown.take().filter(|(kept, _)| *kept == key);
         let drawn = kept.is_none() && light.light_profile().shadow_enable;
         let (_, fitted) = kept.unwrap_or_else(|| (key, light.fit_map(scene, shadows)));
         let placed = light.placed(&fitted, scene, shadows);
-        let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("straight light"),
-            contents: placed.uniform(),
-            usage: BufferUsages::UNIFORM,
-        });
-        let resources = [
-            uniform.as_entire_binding(),
-            BindingResource::TextureView(&slot.map.target.all),
-            BindingResource::Sampler(&self.sampler),
-        ];
+        let uniform = gpu.buffer_with("straight light", placed.uniform.bytes(), BufferUsages::UNIFORM);
         // One per picture: lights that share a map have different colors.
-        let group = gpu.bind_group("straight light", &self.group_layouts[2], &resources);
+        let group = self.lighting.light_group(gpu, &[&uniform], &slot.map.target);
         if drawn {
-            let casting = caster_set(gpu, scene, linked, shadows.mesh_error)?;
-            let what = (scene, &casting);
-            let source = light.source_in_world().map(|source| source - scene.posed.origin_in_world);
-            let views = placed.views().shadow_views();
-            let views = (&views[..], source, shadows.culling);
-            let triangles = self.shadow.draw(gpu, encoder, &slot.map, views, what)?;
+            let views = ShadowViews {
+                faces: &placed.views.shadow_views(),
+                source: light.source_in_world().map(|source| source - scene.posed.origin_in_world),
+                culling: shadows.culling,
+            };
+            let triangles = self.shadow.draw(gpu, encoder, &slot.map, views, scene, &source.caster_set(gpu)?)?;
             gpu.end_stage(encoder, FrameStage::Draw)?;
             let MapSize { side, layers } = slot.map.target.size;
             gpu.stages.count(|counters| {
@@ -294,6 +248,6 @@ impl StraightPass {
             });
         }
         slot.shown = Some((key, fitted));
-        Ok(ReadyStraight { group, drawn })
+        Ok((group, drawn))
     }
 }

@@ -5,23 +5,20 @@ use std::task::Poll;
 
 use glam::DVec2;
 use light::{LightDigest, LightId, LightInstance};
-use wgpu::{CommandEncoder, Texture, TextureView, TextureViewDescriptor};
+use wgpu::{CommandEncoder, Texture, TextureView};
 
-use crate::camera::CameraRaster;
 use crate::composite::GpuTerms;
 use crate::display::ExposedRadiance;
-use crate::gbuffer::{self, GbufferKey, GbufferTexels, GbufferTextures};
-use crate::gpu_scene::GpuScene;
+use crate::gbuffer::{self, GbufferKey, GbufferTexels, GbufferTextures, GbufferView};
 use crate::layers::{LayerWork, Layers};
 use crate::lights::ReadyLight;
 use crate::memory::{Evictable, MemoryKind};
 use crate::native_targets::{self, NativeTargets};
-use crate::parts::{area, row_bands};
 use crate::pass_runs::Cause;
-use crate::passes::Passes;
-use crate::pipeline::color_attachment;
+use crate::passes::{DrawContext, Passes};
+use crate::pipeline::{color_attachment, whole_view};
 use crate::stages::FrameStage;
-use crate::tile::Tile;
+use crate::tile::{Tile, area, pixel_count, row_bands};
 use crate::wgpu_layers::WgpuLayers;
 use crate::wgpu_maps::WgpuLight;
 use crate::{Aov, Backend, Gpu, RenderError, View, ViewSlot, display, gpu_structs, lighting};
@@ -73,12 +70,7 @@ impl Viewers {
     /// Takes the targets of the viewer of `view`, with their content if the size is unchanged. The caller must put them
     /// back.
     pub fn take(&mut self, gpu: &Gpu, passes: &Passes, view: &View) -> Result<Targets, RenderError> {
-        let limit = gpu.device.limits().max_texture_dimension_2d;
-        let side = view.width.max(view.height);
-        if side > limit {
-            let what = "the picture's width or height";
-            return Err(RenderError::TooLarge { what, size: f64::from(side), limit: f64::from(limit) });
-        }
+        gpu.check_picture_side(view.width.max(view.height))?;
         self.0.retain(|(_, targets)| targets.is_present());
         let size = [view.width, view.height];
         let kept = self.0.iter().find(|(slot, _)| *slot == view.slot).and_then(|(_, kept)| kept.take());
@@ -120,28 +112,24 @@ impl Viewers {
 /// light.
 pub(crate) fn bytes_of(backend: Backend, size: [u32; 2]) -> u64 {
     match backend {
-        Backend::Wgpu => pixels(size) * BYTES_PER_PIXEL,
+        Backend::Wgpu => pixel_count(size) * BYTES_PER_PIXEL,
         Backend::Native => {
-            let device = pixels(size) * gbuffer::BYTES_PER_PIXEL;
+            let device = pixel_count(size) * gbuffer::BYTES_PER_PIXEL;
             device + GbufferTexels::bytes_of(size) + NativeTargets::max_bytes(size)
         }
     }
 }
 
-fn pixels([width, height]: [u32; 2]) -> u64 {
-    u64::from(width) * u64::from(height)
-}
-
 impl LitTargets {
     fn new(gpu: &Gpu, passes: &Passes, [width, height]: [u32; 2]) -> Self {
         let radiance = gpu.target("radiance", width, height, lighting::FORMAT);
-        let radiance_view = radiance.create_view(&TextureViewDescriptor::default());
+        let radiance_view = whole_view(&radiance);
         let display = gpu.target("display", width, height, display::FORMAT);
         Self {
             exposed: passes.display.bind_radiance(gpu, &radiance_view),
             radiance,
             radiance_view,
-            display_view: display.create_view(&TextureViewDescriptor::default()),
+            display_view: whole_view(&display),
             display,
         }
     }
@@ -167,7 +155,7 @@ impl Targets {
     /// Returns the bytes of textures, their copies in CPU memory and the native backend's data; without layers.
     fn bytes(&self) -> u64 {
         let lit = if self.lit.get().is_some() { LIT_BYTES_PER_PIXEL } else { 0 };
-        let device = pixels(self.size) * (gbuffer::BYTES_PER_PIXEL + lit);
+        let device = pixel_count(self.size) * (gbuffer::BYTES_PER_PIXEL + lit);
         device + self.texels.1.bytes() + self.native.bytes()
     }
 
@@ -201,18 +189,16 @@ impl Targets {
     /// Draws the G-buffer, unless it is valid for this key. Returns the cause if it was drawn.
     pub fn draw_gbuffer(
         &mut self,
-        gpu: &Gpu,
+        context: &DrawContext,
         encoder: &mut CommandEncoder,
-        (passes, scene): (&Passes, &GpuScene),
-        (raster, tile): (&CameraRaster, Tile),
         sample_offset: DVec2,
     ) -> Result<Option<Cause>, RenderError> {
-        let size = [raster.width, raster.height];
+        let DrawContext { scene, raster, tile, .. } = *context;
         let key = GbufferKey {
             revision: scene.revision,
             world_from_camera: raster.world_from_camera,
             projection: raster.projection,
-            size,
+            size: [raster.width, raster.height],
             tile,
             sample_offset,
         };
@@ -222,7 +208,8 @@ impl Targets {
         };
         // Invalid until all of it is drawn.
         self.gbuffer_key = None;
-        passes.gbuffer.draw(gpu, encoder, &self.gbuffer, (size, tile), scene)?;
+        let shown = GbufferView { scene, size: key.size, tile };
+        context.passes.gbuffer.draw(context.gpu, encoder, &self.gbuffer, shown)?;
         self.layers.invalidate();
         self.native.invalidate();
         self.gbuffer_key = Some(key);
@@ -239,28 +226,26 @@ impl Targets {
     /// Calls [`Self::draw_lights`]. While stages are recorded, draws the fill and each light separately.
     pub fn draw_lighting(
         &self,
-        gpu: &Gpu,
+        context: &DrawContext,
         encoder: &mut CommandEncoder,
-        what: (&Passes, &GpuScene),
-        onto: (Aov, Tile),
-        (base, clear): (bool, bool),
+        aov: Aov,
+        base: bool,
+        clear: bool,
         lights: &[ReadyLight<WgpuLight>],
     ) -> Result<(), RenderError> {
-        let (_, scene) = what;
-        let drawn: Vec<_> = lights.iter().map(|light| (light, onto.1.clip(light.pixels))).collect();
-        if !gpu.stages.is_recording()
-            && drawn.iter().all(|(_, pixels)| scene.part_count(gpu, area(*pixels)) == 1)
-        {
-            self.draw_lights(gpu, encoder, what, onto, (base, clear), &drawn);
+        let DrawContext { gpu, scene, tile, .. } = *context;
+        let drawn: Vec<_> = lights.iter().map(|light| (light, tile.clip(light.pixels))).collect();
+        if !gpu.stages.is_recording() && drawn.iter().all(|(_, pixels)| scene.part_count(gpu, area(*pixels)) == 1) {
+            self.draw_lights(context, encoder, aov, base, clear, &drawn);
             return Ok(());
         }
         if base {
-            self.draw_lights(gpu, encoder, what, onto, (base, clear), &[]);
+            self.draw_lights(context, encoder, aov, base, clear, &[]);
             gpu.end_stage(encoder, FrameStage::Fill)?;
         }
         for (light, pixels) in drawn {
             for (part, is_last) in row_bands(pixels, scene.part_count(gpu, area(pixels))) {
-                self.draw_lights(gpu, encoder, what, onto, (false, false), &[(light, part)]);
+                self.draw_lights(context, encoder, aov, false, false, &[(light, part)]);
                 if !is_last {
                     gpu.submit_and_wait(encoder)?;
                     gpu.yield_point()?;
@@ -273,14 +258,14 @@ impl Targets {
     }
 
     /// Adds one sample of `aov` to the radiance, or to zero if `clear`: the part without lights if `base`, and the
-    /// contribution of `lights`, each within its pixels of the `tile`.
+    /// contribution of `lights`, each within its pixels of the tile.
     fn draw_lights(
         &self,
-        gpu: &Gpu,
+        &DrawContext { gpu, passes, scene, tile, .. }: &DrawContext,
         encoder: &mut CommandEncoder,
-        (passes, scene): (&Passes, &GpuScene),
-        (aov, tile): (Aov, Tile),
-        (base, clear): (bool, bool),
+        aov: Aov,
+        base: bool,
+        clear: bool,
         lights: &[(&ReadyLight<WgpuLight>, [u32; 4])],
     ) {
         let radiance = &self.lit(gpu, passes).radiance_view;
@@ -308,10 +293,11 @@ impl Targets {
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         passes: &Passes,
-        (terms, exposure): (Option<&GpuTerms>, f64),
+        terms: Option<&GpuTerms>,
+        exposure: f64,
     ) {
         let lit = self.lit(gpu, passes);
-        passes.display.draw(gpu, encoder, (&lit.exposed, terms, exposure), &lit.display_view);
+        passes.display.draw(gpu, encoder, &lit.exposed, terms, exposure, &lit.display_view);
     }
 
     /// Updates the layers of `lights`, and returns the terms of their sum; `None` if no light contributes. Pending if
@@ -319,30 +305,33 @@ impl Targets {
     pub fn draw_layers(
         &mut self,
         encoder: &mut CommandEncoder,
-        passes: &Passes,
         work: &mut LayerWork,
         lights: &[LightInstance],
     ) -> Result<Poll<Option<GpuTerms>>, RenderError> {
-        let (gpu, scene, size, surface) = (work.gpu, work.scene, self.size, &self.gbuffer.surface);
-        let mut painter = WgpuLayers { gpu, passes, scene, surface, size, encoder };
-        self.layers.draw((work, &mut painter), lights)
+        let surface = &self.gbuffer.surface;
+        let mut painter = WgpuLayers { context: work.context, surface, size: self.size, encoder };
+        self.layers.draw(work, &mut painter, lights)
     }
 
-    /// Unpacks the surfaces of the upper left `size` pixels for the native backend. `view` is the uniform of the
-    /// G-buffer's draw, which must have been submitted.
+    /// Unpacks the surfaces of the pixels of the tile for the native backend. `view` is the uniform of the G-buffer's
+    /// draw, which must have been submitted.
     pub fn prepare_surfaces(
         &mut self,
-        gpu: &Gpu,
-        scene: &GpuScene,
-        (view, size): (&gpu_structs::View, [u32; 2]),
+        &DrawContext { gpu, scene, tile, .. }: &DrawContext,
+        view: &gpu_structs::View,
     ) -> Result<(), RenderError> {
         if self.native.has_surfaces() {
             return Ok(());
         }
         let row = self.size[0] as usize;
         let GbufferTexels { packed, offset, depth, .. } = self.gbuffer_texels(gpu)?;
-        let gbuffer =
-            relight::GbufferRows { size, row_stride: row, packed, z: depth, terminator_offset: offset };
+        let gbuffer = relight::GbufferRows {
+            size: [tile.width, tile.height],
+            row_stride: row,
+            packed,
+            z: depth,
+            terminator_offset: offset,
+        };
         let surfaces = native_targets::surfaces(gpu, scene, view, &gbuffer)?;
         self.native.set_surfaces(surfaces);
         Ok(())

@@ -1,13 +1,13 @@
-//! Cuts pictures into tiles, and chooses their sizes.
+//! Cuts pictures into tiles and rectangles into bands, between which work can yield.
 
 use std::time::Duration;
 
 /// A rectangle of pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Tile {
-    /// Left edge, from the left of the picture.
+    /// Pixels from the picture's left edge to the tile's.
     pub x: u32,
-    /// Upper edge, from the top of the picture.
+    /// Pixels from the picture's upper edge to the tile's.
     pub y: u32,
     pub width: u32,
     pub height: u32,
@@ -23,12 +23,32 @@ impl Tile {
     }
 }
 
-/// Shortest side of a tile, except at the picture's edges. At that size, half the cost of the cheapest pixels is their
-/// own, and not the fixed work of a tile.
+/// Returns the number of pixels of a picture of this size.
+pub(crate) fn pixel_count([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+/// Returns the number of pixels of `[x, y, width, height]`.
+pub(crate) fn area([_, _, width, height]: [u32; 4]) -> u64 {
+    pixel_count([width, height])
+}
+
+/// Cuts `[x, y, width, height]` into `parts` bands of rows, fewer if there are fewer rows. The flag is true for the
+/// last.
+pub(crate) fn row_bands([x, y, width, height]: [u32; 4], parts: u32) -> impl Iterator<Item = ([u32; 4], bool)> {
+    let rows = height.div_ceil(parts).max(1);
+    (0..height.div_ceil(rows).max(1)).map(move |part| {
+        let first = part * rows;
+        ([x, y + first, width, rows.min(height - first)], first + rows >= height)
+    })
+}
+
+/// Shortest side of a tile in pixels, except at the picture's edges. A tile of that size takes half its time for its
+/// pixels, where they are cheapest, and half for work that does not depend on its size.
 const MIN_SIDE: u32 = 128;
-/// Longest side of a tile: 46 MB of targets, 160 MB on the native backend.
+/// Longest side of a tile in pixels. The targets of such a tile take 46 MB, on the native backend 160 MB.
 const MAX_SIDE: u32 = 1024;
-/// Side of the first tile, before any measurement.
+/// Side of the first tile in pixels, before any measurement.
 const FIRST_SIDE: u32 = 256;
 /// Divisor of sides, so that four pixels which share a texture's level of detail are in one tile.
 const STEP: u32 = 16;
@@ -148,5 +168,21 @@ mod tests {
         assert_eq!(tile.clip([110, 40, 5, 15]), [10, 0, 5, 5]);
         assert_eq!(tile.clip([0, 0, 100, 500])[2], 0, "beside it");
         assert_eq!(tile.clip([0, 70, 500, 9])[3], 0, "below it");
+    }
+
+    #[test]
+    fn parts_are_all_of_a_rectangle_and_no_more() {
+        for height in [0, 1, 7, 100] {
+            for parts in [1, 3, 7, 1_000] {
+                let all: Vec<_> = row_bands([5, 9, 30, height], parts).collect();
+                assert_eq!(all.iter().map(|(part, _)| area(*part)).sum::<u64>(), 30 * u64::from(height));
+                let mut next = 9;
+                for ([x, y, width, rows], is_last) in &all {
+                    assert_eq!((*x, *y, *width), (5, next, 30));
+                    next += rows;
+                    assert_eq!(*is_last, next == 9 + height);
+                }
+            }
+        }
     }
 }

@@ -9,7 +9,7 @@ use crate::memory::{MemoryKind, Reservation};
 use crate::pause::DrawnPiece;
 use crate::renderer::CheckedPicture;
 use crate::targets::{Targets, bytes_of};
-use crate::tile::{Tile, Tiling};
+use crate::tile::{Tile, Tiling, pixel_count};
 use crate::{Aov, FileNeeds, Gpu, Picture, Pixels, RenderError, Renderer, View, position};
 
 /// Progress of a picture, counted in samples: each sample of each pixel counts as one.
@@ -79,10 +79,9 @@ impl TiledPicture {
 
     pub fn progress(&self) -> SampleProgress {
         let CheckedPicture { view, samples, .. } = &self.drawing;
-        let of = u64::from(*samples) * u64::from(view.width) * u64::from(view.height);
         SampleProgress {
             done: self.work.as_ref().map_or(0, |work| work.finished_samples + work.tile_samples),
-            total: of,
+            total: u64::from(*samples) * pixel_count([view.width, view.height]),
         }
     }
 
@@ -109,9 +108,20 @@ impl Renderer {
         view: &View,
         lights: &[LightInstance],
         needs: FileNeeds,
-        sampled: impl FnMut(SampleProgress),
+        mut sampled: impl FnMut(SampleProgress),
     ) -> Result<Pixels, RenderError> {
-        self.render_tiled(TiledPicture::for_files(view, lights, needs)?, sampled)
+        let mut picture = TiledPicture::for_files(view, lights, needs)?;
+        self.run_or_discard(view.slot, |renderer, gpu| {
+            gpu.memory.begin_picture();
+            loop {
+                let finished = renderer.draw_piece(gpu, &mut picture, Duration::MAX, &|| false)?;
+                sampled(picture.progress());
+                if finished {
+                    renderer.shadow_maps.finish(view.slot);
+                    return Ok(picture.into_pixels());
+                }
+            }
+        })
     }
 
     /// Works on `picture` for about `aim`, until the current piece of work is done: a shadow map, or one light over a
@@ -136,26 +146,6 @@ impl Renderer {
         })
     }
 
-    /// Draws all of a picture, in pieces as large as possible. Calls `sampled` with the progress after each sample of a
-    /// tile.
-    pub(crate) fn render_tiled(
-        &mut self,
-        mut picture: TiledPicture,
-        mut sampled: impl FnMut(SampleProgress),
-    ) -> Result<Pixels, RenderError> {
-        self.run_or_discard(picture.drawing.view.slot, |renderer, gpu| {
-            gpu.memory.begin_picture();
-            loop {
-                let finished = renderer.draw_piece(gpu, &mut picture, Duration::MAX, &|| false)?;
-                sampled(picture.progress());
-                if finished {
-                    renderer.shadow_maps.finish(picture.drawing.view.slot);
-                    return Ok(picture.into_pixels());
-                }
-            }
-        })
-    }
-
     /// Draws a sample of a tile, or a part of it if `over` returns true. Returns true if the picture is finished.
     fn draw_piece(
         &mut self,
@@ -171,7 +161,7 @@ impl Renderer {
         let work = work.get_or_insert_with(|| TiledWork::new(gpu, size, triangles, pixels));
         let Some(next) = work.tiling.tile() else { return Ok(true) };
         let tile = if whole { Tile { x: 0, y: 0, width: size[0], height: size[1] } } else { next };
-        work.ensure_targets(gpu, self, (drawing.view.aov, tile))?;
+        work.ensure_targets(gpu, self, drawing.view.aov, tile)?;
         let Some(targets) = &mut work.targets else { return Ok(false) };
 
         let (since, longest) = (Cell::new(Instant::now()), Cell::new(work.longest_piece));
@@ -188,11 +178,11 @@ impl Renderer {
             pause(DrawnPiece::Pixels);
         }
         work.longest_piece = longest.get();
-        work.tile_samples = u64::from(targets.samples_drawn) * u64::from(tile.width) * u64::from(tile.height);
+        work.tile_samples = u64::from(targets.samples_drawn) * pixel_count([tile.width, tile.height]);
         if !done {
             return Ok(false);
         }
-        self.collect_tile(gpu, targets, (tile, &drawing.view), pixels)?;
+        self.collect_tile(gpu, targets, tile, &drawing.view, pixels)?;
         work.finished_samples += std::mem::take(&mut work.tile_samples);
         if whole {
             return Ok(true);
@@ -207,7 +197,8 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         targets: &Targets,
-        (tile, view): (Tile, &View),
+        tile: Tile,
+        view: &View,
         pixels: &mut Pixels,
     ) -> Result<(), RenderError> {
         let size = [tile.width, tile.height];
@@ -217,12 +208,12 @@ impl Renderer {
             Pixels::Both(picture, bytes) => (Some(bytes), Some(picture)),
         };
         if let Some(picture) = picture {
-            let drawn = self.read_raw(gpu, targets, (view.aov, size))?;
+            let drawn = self.read_raw(gpu, targets, view.aov, size)?;
             let columns = (tile.x as usize, tile.width as usize);
             copy_rows(&mut picture.pixels, view.width as usize, &drawn, columns, tile.y);
         }
         if let Some(bytes) = shown {
-            let drawn = self.read_display(gpu, targets, (size, view.exposure))?;
+            let drawn = self.read_display(gpu, targets, size, view.exposure)?;
             let columns = (4 * tile.x as usize, 4 * tile.width as usize);
             copy_rows(bytes, 4 * view.width as usize, &drawn, columns, tile.y);
         }
@@ -261,23 +252,12 @@ impl TiledWork {
     }
 
     /// Makes targets that are at least as large as `tile`, and not much larger, unless the present ones are.
-    fn ensure_targets(
-        &mut self,
-        gpu: &Gpu,
-        renderer: &Renderer,
-        (aov, tile): (Aov, Tile),
-    ) -> Result<(), RenderError> {
+    fn ensure_targets(&mut self, gpu: &Gpu, renderer: &Renderer, aov: Aov, tile: Tile) -> Result<(), RenderError> {
         let (width, height) = (tile.width, tile.height);
-        let limit = gpu.device.limits().max_texture_dimension_2d;
-        let side = width.max(height);
-        if side > limit {
-            let what = "the picture's width or height";
-            return Err(RenderError::TooLarge { what, size: f64::from(side), limit: f64::from(limit) });
-        }
-        let area = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-        let needed = area([width, height]);
+        gpu.check_picture_side(width.max(height))?;
+        let most = 2 * pixel_count([width, height]);
         let fits = self.targets.as_ref().is_some_and(|targets| {
-            targets.size[0] >= width && targets.size[1] >= height && area(targets.size) <= 2 * needed
+            targets.size[0] >= width && targets.size[1] >= height && pixel_count(targets.size) <= most
         });
         if !fits {
             // Frees the old ones first, so that two never coexist.

@@ -7,22 +7,20 @@ use wgpu::{BindGroup, CommandEncoder};
 
 use crate::backend::Backend;
 use crate::bendy_light::{Baked, BendyPass};
-use crate::gpu_scene::GpuScene;
 use crate::lighting::LightingPass;
 use crate::lights::{LightSlot, MapBuilders, MapPainter, ReadyLight};
-use crate::linked::LinkedCasters;
+use crate::linked::CasterSource;
 use crate::map_key::MapKey;
 use crate::passes::Passes;
 use crate::shadow_settings::MapSize;
 use crate::straight::{BakedStraight, StraightLight};
-use crate::{Gpu, RenderError, ShadowSettings};
+use crate::{Gpu, RenderError};
 
 /// Draws shadow maps of lights in a scene on the GPU. Draws of straight lights are recorded in `encoder`; draws of bent
 /// lights are submitted at once.
 pub(crate) struct WgpuMaps<'a> {
     pub gpu: &'a Gpu,
     pub passes: &'a Passes,
-    pub scene: &'a GpuScene,
     pub encoder: &'a mut CommandEncoder,
 }
 
@@ -44,8 +42,8 @@ impl ReadyLight<WgpuLight> {
     pub fn lighting(&self, gpu: &Gpu, passes: &Passes) -> Arc<LightingPass> {
         let is_linked = self.linked.is_some();
         match self.light.kind {
-            LightingKind::Straight(baked) => passes.straight.lighting(gpu, baked, is_linked),
-            LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked, is_linked),
+            LightingKind::Straight(baked) => passes.straight.lighting.get(gpu, baked, is_linked),
+            LightingKind::Bendy(baked) => passes.bendy.lighting.get(gpu, baked, is_linked),
         }
     }
 
@@ -71,22 +69,20 @@ impl MapPainter for WgpuMaps<'_> {
     fn prepare(
         &mut self,
         slot: &mut LightSlot,
-        (key, light): (MapKey, &CheckedLight),
-        (linked, shadows): (Option<&LinkedCasters>, &ShadowSettings),
-        MapBuilders { bent_buffers: bent_work, coarse, .. }: MapBuilders,
+        key: MapKey,
+        light: &CheckedLight,
+        source: CasterSource,
+        builders: MapBuilders,
     ) -> Result<(WgpuLight, bool), RenderError> {
-        let Self { gpu, passes, scene, encoder } = self;
-        let what = (*scene, linked, shadows);
-        let (kind, group, drawn) = match (slot, light.rays(), StraightLight::of(light)) {
-            (LightSlot::Bendy(slot), LightRays::Bent(tube), _) => {
-                let of = (key, light, tube);
-                let (placed, drawn) = passes.bendy.prepare(gpu, bent_work, slot, of, what, coarse)?;
+        let Self { gpu, passes, encoder } = self;
+        let (kind, group, drawn) = match (slot, StraightLight::of(light)) {
+            (LightSlot::Bendy(slot), None) => {
+                let (placed, drawn) = passes.bendy.prepare(gpu, builders.bent_buffers, slot, key, light, source)?;
                 (LightingKind::Bendy(placed.baked), placed.group, drawn)
             }
-            (LightSlot::Straight(slot), _, Some(straight)) => {
-                let ready = passes.straight.prepare(gpu, encoder, slot, (key, straight), what)?;
-                let kind = LightingKind::Straight(straight.baked(shadows.filter));
-                (kind, ready.group, ready.drawn)
+            (LightSlot::Straight(slot), Some(straight)) => {
+                let (group, drawn) = passes.straight.prepare(gpu, encoder, slot, key, straight, source)?;
+                (LightingKind::Straight(straight.baked(source.shadows.filter)), group, drawn)
             }
             _ => unreachable!("the slot was chosen or made for this kind of light"),
         };

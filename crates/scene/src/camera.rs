@@ -26,16 +26,7 @@ impl Camera {
 
     /// Checks that the numbers make a picture. The error completes a sentence that begins with "the camera's".
     pub fn check(&self) -> Result<(), &'static str> {
-        let projected = match self.projection {
-            Projection::Perspective { yfov, znear, zfar, .. } => {
-                let far = zfar.is_none_or(|zfar| znear < zfar && zfar.is_finite());
-                0.0 < yfov && yfov < std::f64::consts::PI && 0.0 < znear && znear.is_finite() && far
-            }
-            Projection::Orthographic { ymag, znear, zfar, .. } => {
-                0.0 < ymag && ymag.is_finite() && 0.0 <= znear && znear < zfar && zfar.is_finite()
-            }
-        };
-        if !projected {
+        if !self.projection.makes_a_picture() {
             return Err("angle, size or planes make no picture");
         }
         if self.projection.aspect_ratio().is_some_and(|aspect| !(0.0 < aspect && aspect.is_finite())) {
@@ -89,6 +80,19 @@ impl Projection {
         [side((PIXELS * aspect).sqrt()), side((PIXELS / aspect).sqrt())]
     }
 
+    /// Returns true if angle, size and planes are in their domains.
+    pub fn makes_a_picture(&self) -> bool {
+        match *self {
+            Self::Perspective { yfov, znear, zfar, .. } => {
+                let is_far_valid = zfar.is_none_or(|zfar| znear < zfar && zfar.is_finite());
+                0.0 < yfov && yfov < std::f64::consts::PI && 0.0 < znear && znear.is_finite() && is_far_valid
+            }
+            Self::Orthographic { ymag, znear, zfar, .. } => {
+                0.0 < ymag && ymag.is_finite() && 0.0 <= znear && znear < zfar && zfar.is_finite()
+            }
+        }
+    }
+
     /// Returns the width over height of the frame; `None` if the camera has none.
     pub fn aspect_ratio(&self) -> Option<f64> {
         let (Self::Perspective { aspect_ratio, .. } | Self::Orthographic { aspect_ratio, .. }) = *self;
@@ -103,8 +107,7 @@ impl Projection {
 pub fn framing_camera(reach: &SceneBounds, aspect: f64) -> Camera {
     let SceneBounds { center, half_extent } = *reach;
     // A scene without extent (an empty one) is seen from a fixed distance.
-    let radius =
-        if half_extent == DVec3::ZERO { DVec3::ONE.length() } else { half_extent.length().max(1e-6) };
+    let radius = if half_extent == DVec3::ZERO { DVec3::ONE.length() } else { half_extent.length().max(1e-6) };
     let yfov = 40.0_f64.to_radians();
     let half_angle = (yfov / 2.0).min(libm::atan(libm::tan(yfov / 2.0) * aspect));
     let distance = radius / libm::sin(half_angle);

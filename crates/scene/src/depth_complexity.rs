@@ -22,8 +22,7 @@ impl PosedScene {
 fn depth_complexity(posed: &PosedScene) -> f64 {
     let mut grids = [0; 3].map(|_: usize| vec![0.0_f64; CELLS * CELLS]);
     // In cells, from a corner of the bounds. A flat scene has one row.
-    let cells_per_unit =
-        posed.half_extent.map(|half| if half > 0.0 { CELLS as f64 / (2.0 * half) } else { 0.0 });
+    let cells_per_unit = posed.half_extent.map(|half| if half > 0.0 { CELLS as f64 / (2.0 * half) } else { 0.0 });
     let in_cells = |position: DVec3| (position + posed.half_extent) * cells_per_unit;
     for primitive in &posed.primitives {
         let positions = &posed.positions[primitive.first_vertex..];
@@ -66,8 +65,7 @@ mod tests {
         let indices = (0..3 * count as u32).collect();
         let normals = vec![Vec3::Z; positions.len()];
         let primitive = Primitive { positions, normals, indices, ..Primitive::default() };
-        let node =
-            Node { name: "node".into(), parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) };
+        let node = Node { name: "node".into(), parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) };
         Scene {
             meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
             nodes: vec![node],
@@ -76,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_in_one_place_count_and_those_side_by_side_do_not() {
+    fn overlapping_triangles_count_and_separate_ones_do_not() {
         assert_eq!(pose(Scene::default()).depth_complexity(), 1.0);
         assert_eq!(pose(scene(1_000, 0.0)).depth_complexity(), 1_000.0);
         // Each cell is wider than a triangle and holds about 60 side by side.

@@ -81,18 +81,18 @@ impl NodeTree {
 
     /// Evaluates `links`: for each node, true if it is selected. Paths without a node have no effect.
     pub fn selected_nodes(&self, links: &Links) -> Vec<bool> {
-        let mut said: BTreeMap<usize, bool> = BTreeMap::new();
+        let mut listed: BTreeMap<usize, bool> = BTreeMap::new();
         // Excluded paths come last and overwrite included ones.
         for (paths, counts) in [(links.include(), true), (links.exclude(), false)] {
-            said.extend(paths.iter().filter_map(|path| Some((self.find(path)?, counts))));
+            listed.extend(paths.iter().filter_map(|path| Some((self.find(path)?, counts))));
         }
-        let unsaid = links.include().is_empty();
-        let mut linked: Vec<bool> = Vec::with_capacity(self.nodes.len());
+        let unlisted = links.include().is_empty();
+        let mut selected: Vec<bool> = Vec::with_capacity(self.nodes.len());
         for (node, (parent, _)) in self.nodes.iter().enumerate() {
-            let inherited = parent.map_or(unsaid, |parent| linked[parent]);
-            linked.push(said.get(&node).copied().unwrap_or(inherited));
+            let inherited = parent.map_or(unlisted, |parent| selected[parent]);
+            selected.push(listed.get(&node).copied().unwrap_or(inherited));
         }
-        linked
+        selected
     }
 }
 

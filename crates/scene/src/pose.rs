@@ -58,15 +58,7 @@ pub fn pose(scene: impl Into<Arc<Scene>>) -> Arc<PosedScene> {
         let local = posed.geometry_in(&scene).positions.iter();
         positions.extend(local.map(|position| scene_from_local.transform_point3(position.as_dvec3())));
     }
-    Arc::new(PosedScene {
-        scene,
-        origin_in_world,
-        half_extent,
-        primitives,
-        positions,
-        nodes: OnceLock::new(),
-        depth_complexity: OnceLock::new(),
-    })
+    Arc::new(PosedScene { scene, origin_in_world, half_extent, primitives, positions, ..PosedScene::default() })
 }
 
 impl PosedScene {
@@ -141,8 +133,7 @@ impl PosedPrimitive {
     /// flattened onto a plane gets that plane's normal.
     pub fn normal_matrix(&self) -> DMat3 {
         let m = self.world_from_local.matrix3;
-        let cofactor =
-            DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+        let cofactor = DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
         if self.is_mirrored() { -cofactor } else { cofactor }
     }
 }

@@ -19,8 +19,7 @@ impl ViewRay {
     /// the origin of scene space.
     pub fn new(camera: &Camera, size: [u32; 2], pixel: DVec2, origin_in_world: DVec3) -> Self {
         let size = DVec2::from(size.map(f64::from));
-        let DVec2 { x, y } =
-            (2.0 * pixel - size) * DVec2::new(1.0, -1.0) / size.y * frame_scale(camera, size);
+        let DVec2 { x, y } = (2.0 * pixel - size) * DVec2::new(1.0, -1.0) / size.y * frame_scale(camera, size);
         let world_from_camera = camera.world_from_camera();
         let (axes, eye) = (world_from_camera.matrix3, world_from_camera.translation - origin_in_world);
         match camera.projection {
@@ -75,11 +74,8 @@ mod tests {
     fn all_that_a_camera_frames_is_in_the_picture() {
         let yfov = 2.0 * libm::atan(0.5);
         let perspective = Projection::Perspective { yfov, aspect_ratio: Some(2.0), znear: 0.1, zfar: None };
-        let orthographic =
-            Projection::Orthographic { ymag: 0.5, aspect_ratio: Some(2.0), znear: 0.0, zfar: 9.0 };
-        for (width, height, x, y) in
-            [(100, 100, 75.0, 37.5), (400, 100, 250.0, 25.0), (200, 100, 150.0, 25.0)]
-        {
+        let orthographic = Projection::Orthographic { ymag: 0.5, aspect_ratio: Some(2.0), znear: 0.0, zfar: 9.0 };
+        for (width, height, x, y) in [(100, 100, 75.0, 37.5), (400, 100, 250.0, 25.0), (200, 100, 150.0, 25.0)] {
             for projection in [perspective, orthographic] {
                 let (translation, rotation) = (DVec3::ZERO, DQuat::IDENTITY);
                 let camera = Camera { name: String::new(), translation, rotation, projection };

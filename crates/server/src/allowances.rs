@@ -116,14 +116,14 @@ impl Allowances {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::charges::tests::payer;
 
     #[test]
     fn an_allowance_is_used_up_and_comes_back() {
         let rate = AllowanceRate { per_second: 0.1, burst: 0.2 };
         let (mut allowances, start) = (Allowances::new(rate), Instant::now());
         let (ada, other) = (payer("shot", "ada"), payer("other", "ben"));
-        let mut used = 0.0;
-        let mut now = start;
+        let (mut used, mut now) = (0.0, start);
         // For a hundred seconds, one request every 10 ms.
         while now < start + Duration::from_secs(100) {
             now += Duration::from_millis(10);
@@ -148,9 +148,5 @@ mod tests {
         }
         assert!(allowances.actors.len() <= MAX_ACCOUNTS + 1, "{}", allowances.actors.len());
         assert!(!allowances.has_tokens(&payer("shot", "new"), now), "another name is the same session");
-    }
-
-    fn payer(session: &str, actor: &str) -> Payer {
-        Payer::new(&session.into(), actor)
     }
 }

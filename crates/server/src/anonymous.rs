@@ -12,23 +12,19 @@ use crate::limits::{ANONYMOUS_BYTES_PER_SECOND, MAX_ANONYMOUS_REQUESTS, MIN_ANON
 /// Permits for anonymous requests that are answered at once.
 pub struct AnonymousPermits(Arc<Semaphore>);
 
-impl Default for AnonymousPermits {
-    fn default() -> Self {
+impl AnonymousPermits {
+    pub fn new() -> Self {
         Self(Arc::new(Semaphore::new(MAX_ANONYMOUS_REQUESTS)))
     }
-}
 
-impl AnonymousPermits {
     /// Waits for a permit. Dropping the future takes none.
     pub async fn acquire(&self) -> AnonymousPermit {
-        AnonymousPermit { _permit: Arc::clone(&self.0).acquire_owned().await.expect("never closed") }
+        AnonymousPermit(Arc::clone(&self.0).acquire_owned().await.expect("never closed"))
     }
 }
 
 /// A permit. It is released at once if it is dropped without [`Self::release_after_bytes`].
-pub struct AnonymousPermit {
-    _permit: OwnedSemaphorePermit,
-}
+pub struct AnonymousPermit(OwnedSemaphorePermit);
 
 impl AnonymousPermit {
     /// Releases the permit after the time that an answer of that size counts for.
@@ -36,7 +32,7 @@ impl AnonymousPermit {
         let for_bytes = Duration::from_secs_f64(bytes as f64 / ANONYMOUS_BYTES_PER_SECOND as f64);
         tokio::spawn(async move {
             sleep(MIN_ANONYMOUS_PERMIT_TIME.max(for_bytes)).await;
-            drop(self);
+            drop(self.0);
         });
     }
 }
@@ -49,34 +45,34 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn anonymous_requests_and_bytes_are_limited_together() {
-        let turns = AnonymousPermits::default();
-        let asked = async |count: usize, bytes| {
+        let permits = AnonymousPermits::new();
+        let time_of = async |count: usize, bytes| {
             let before = Instant::now();
             for _ in 0..count {
-                turns.acquire().await.release_after_bytes(bytes);
+                permits.acquire().await.release_after_bytes(bytes);
             }
             before.elapsed()
         };
-        assert_eq!(asked(MAX_ANONYMOUS_REQUESTS, 0).await, Duration::ZERO, "one page is loaded at once");
+        assert_eq!(time_of(MAX_ANONYMOUS_REQUESTS, 0).await, Duration::ZERO, "one page is loaded at once");
         let rounds = 10;
-        let waited = asked(rounds * MAX_ANONYMOUS_REQUESTS, 0).await;
+        let waited = time_of(rounds * MAX_ANONYMOUS_REQUESTS, 0).await;
         assert!(waited >= MIN_ANONYMOUS_PERMIT_TIME * rounds as u32, "{waited:?}");
-        asked(MAX_ANONYMOUS_REQUESTS, 2 * ANONYMOUS_BYTES_PER_SECOND).await;
-        let waited = asked(1, 0).await;
+        time_of(MAX_ANONYMOUS_REQUESTS, 2 * ANONYMOUS_BYTES_PER_SECOND).await;
+        let waited = time_of(1, 0).await;
         assert!(waited >= Duration::from_secs(2), "{waited:?}: large answers count for longer");
     }
 
     #[tokio::test(start_paused = true)]
-    async fn who_gives_up_waiting_takes_no_turn() {
-        let turns = AnonymousPermits::default();
+    async fn a_request_that_stops_waiting_takes_no_permit() {
+        let permits = AnonymousPermits::new();
         for _ in 0..MAX_ANONYMOUS_REQUESTS {
-            turns.acquire().await.release_after_bytes(0);
+            permits.acquire().await.release_after_bytes(0);
         }
         for _ in 0..1_000 {
-            assert!(tokio::time::timeout(Duration::ZERO, turns.acquire()).await.is_err());
+            assert!(tokio::time::timeout(Duration::ZERO, permits.acquire()).await.is_err());
         }
         let began = Instant::now();
-        turns.acquire().await;
+        permits.acquire().await;
         assert!(began.elapsed() <= 2 * MIN_ANONYMOUS_PERMIT_TIME, "{:?}", began.elapsed());
     }
 }

@@ -6,8 +6,7 @@ use std::{io, thread};
 
 #[cfg(target_os = "linux")]
 use thread_priority::{
-    NormalThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
-    thread_native_id,
+    NormalThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id,
 };
 use tokio::runtime::{self, Runtime};
 use tokio::sync::oneshot;
@@ -106,7 +105,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn work_in_the_background_gives_way_to_all_else() {
+    async fn background_work_has_the_lowest_priority() {
         // SCHED_OTHER and SCHED_IDLE, see sched(7).
         let (policy, other, idle) = (41, 0, 5);
         assert_eq!(of_this_thread(policy), other);
@@ -121,22 +120,19 @@ mod tests {
         let one = Arc::new(Semaphore::new(1));
         let (go_on, wait) = sync_channel::<()>(1);
         let permit = Arc::clone(&one).acquire_owned().await.expect("a permit");
-        let given_up = run_with(permit, move || wait.recv());
-        assert!(timeout(Duration::from_millis(20), given_up).await.is_err());
+        let waiting = run_with(permit, move || wait.recv());
+        assert!(timeout(Duration::from_millis(20), waiting).await.is_err());
         assert!(one.try_acquire().is_err(), "another is let in meanwhile");
         go_on.send(()).expect("the work goes on");
         assert!(one.acquire().await.is_ok());
     }
 
     #[tokio::test]
-    async fn requests_give_way_to_others() {
+    async fn requests_have_a_lower_priority() {
         let nice_of_this = || of_this_thread(19);
         let before = nice_of_this();
         let requests = request_runtime().expect("threads");
-        assert_eq!(
-            requests.spawn(async move { nice_of_this() }).await.expect("done"),
-            (before + NICE).min(19)
-        );
+        assert_eq!(requests.spawn(async move { nice_of_this() }).await.expect("done"), (before + NICE).min(19));
         requests.shutdown_background();
     }
 

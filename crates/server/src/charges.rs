@@ -95,9 +95,7 @@ impl Charges {
 impl Accounts {
     fn of(&self, name: &str) -> f64 {
         // A new name has no credit. Otherwise a new name for each picture would always be first.
-        self.seconds
-            .get(name)
-            .map_or(self.virtual_time, |charged| charged.max(self.virtual_time - MAX_CREDIT_SECONDS))
+        self.seconds.get(name).map_or(self.virtual_time, |charged| charged.max(self.virtual_time - MAX_CREDIT_SECONDS))
     }
 
     fn charge(&mut self, name: &Arc<str>, seconds: f64) {
@@ -115,10 +113,10 @@ impl Accounts {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
 
-    fn payer(session: &str, actor: &str) -> Payer {
+    pub fn payer(session: &str, actor: &str) -> Payer {
         Payer::new(&session.into(), actor)
     }
 
@@ -126,18 +124,15 @@ mod tests {
     /// second value of each is the length of its slices.
     fn shares(payers: &[(Payer, f64)], turns: usize) -> Vec<f64> {
         let mut charges = Charges::default();
-        let mut had = vec![0.0; payers.len()];
+        let mut seconds = vec![0.0; payers.len()];
         for _ in 0..turns {
-            let least = |a: &usize, b: &usize| {
-                let of = |index: &usize| charges.of(&payers[*index].0);
-                of(a).order(&of(b))
-            };
-            let next = (0..payers.len()).min_by(least).expect("somebody");
+            let charge = |index: &usize| charges.of(&payers[*index].0);
+            let next = (0..payers.len()).min_by(|a, b| charge(a).order(&charge(b))).expect("somebody");
             charges.charge(&payers[next].0, payers[next].1);
-            had[next] += payers[next].1;
+            seconds[next] += payers[next].1;
         }
-        let total: f64 = had.iter().sum();
-        had.iter().map(|had| had / total).collect()
+        let total: f64 = seconds.iter().sum();
+        seconds.iter().map(|seconds| seconds / total).collect()
     }
 
     #[test]
@@ -158,8 +153,8 @@ mod tests {
     #[test]
     fn within_a_session_actors_have_the_same() {
         let of = |actor: &str| (payer("shot", actor), 0.01);
-        let had = shares(&[of("ada"), of("bob"), of("bob"), of("bob")], 1_000);
-        assert!((had[0] - 0.5).abs() < 0.01, "{had:?}");
+        let shares = shares(&[of("ada"), of("bob"), of("bob"), of("bob")], 1_000);
+        assert!((shares[0] - 0.5).abs() < 0.01, "{shares:?}");
     }
 
     /// Deliberate fault that the test must detect: a client that comes back with a charge of zero makes another wait
@@ -180,10 +175,7 @@ mod tests {
         charges.sessions.virtual_time = 0.0;
         charges.actors.virtual_time = 0.0;
         let late = payer("late", "eve");
-        assert!(
-            charges.of(&late).order(&charges.of(&ada)).is_lt()
-                && charges.of(&late) == ChargedSeconds(0.0, 0.0)
-        );
+        assert!(charges.of(&late).order(&charges.of(&ada)).is_lt() && charges.of(&late) == ChargedSeconds(0.0, 0.0));
     }
 
     #[test]

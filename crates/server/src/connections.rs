@@ -18,15 +18,15 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::Handle;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{sleep, timeout};
-use tokio_util::sync::{CancellationToken, DropGuard};
+use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::in_flight::delivery_timeout;
+use crate::in_flight::{delivery_timeout, guarded_bytes};
 use crate::limits::{
     HEADERS_TIMEOUT, MAX_ANONYMOUS_CONNECTIONS, MAX_CONNECTIONS, MAX_HEAD_BYTES, RECEIVE_BUFFER_BYTES,
     SEND_BUFFER_BYTES, SEND_TIMEOUT,
 };
-use crate::send_within::WriteTimeoutStream;
+use crate::write_timeout::WriteTimeoutStream;
 
 /// Delay after the system refused a connection, for example because too many files are open.
 const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(100);
@@ -47,7 +47,7 @@ struct ConnectionState {
     _permit: OwnedSemaphorePermit,
 }
 
-/// Connections that have not shown the token, by number. Numbers increase.
+/// Connections that have not shown the token, by number. A later connection has a higher number.
 #[derive(Debug, Default)]
 struct AnonymousConnections {
     last: AtomicU64,
@@ -56,15 +56,13 @@ struct AnonymousConnections {
 
 impl Connection {
     fn of(anonymous: &Arc<AnonymousConnections>, permit: OwnedSemaphorePermit) -> Self {
-        let (number, given_up) = anonymous.enter();
-        let (asked, is_known) = (AtomicBool::new(false), AtomicBool::new(false));
-        let anonymous = Arc::clone(anonymous);
+        let (number, close_token) = anonymous.enter();
         Self(Arc::new(ConnectionState {
             number,
-            anonymous,
-            close_token: given_up,
-            has_requested: asked,
-            is_authenticated: is_known,
+            anonymous: Arc::clone(anonymous),
+            close_token,
+            has_requested: AtomicBool::new(false),
+            is_authenticated: AtomicBool::new(false),
             _permit: permit,
         }))
     }
@@ -85,31 +83,19 @@ impl Connection {
         let taken = CancellationToken::new();
         let untaken = taken.clone().drop_guard();
         let within = delivery_timeout(bytes.len());
-        let given_up = self.0.close_token.clone();
+        let close_token = self.0.close_token.clone();
         tokio::spawn(async move {
             if timeout(within, taken.cancelled()).await.is_err() {
-                given_up.cancel();
+                close_token.cancel();
             }
         });
-        Bytes::from_owner(UndeliveredBytes { bytes, _untaken: untaken })
+        guarded_bytes(bytes, untaken)
     }
 
     /// Waits until the server has to close the connection: because the limit of anonymous connections is reached, or
     /// because the client takes an answer too slowly.
     pub async fn until_closed_by_server(&self) {
         self.0.close_token.cancelled().await;
-    }
-}
-
-/// Bytes of an answer that the client has not taken completely.
-struct UndeliveredBytes {
-    bytes: Bytes,
-    _untaken: DropGuard,
-}
-
-impl AsRef<[u8]> for UndeliveredBytes {
-    fn as_ref(&self) -> &[u8] {
-        &self.bytes
     }
 }
 
@@ -178,22 +164,15 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, endi
         let connection = Connection::of(&anonymous, permit);
         let router = router.clone();
         let is_late = ending.draining.is_cancelled();
-        let ends = if is_late {
-            ConnectionEnd::AfterOneAnswer(over.clone())
-        } else {
-            ConnectionEnd::AfterCurrentAnswer(ending.draining.clone())
-        };
+        let end = if is_late { over.clone() } else { ending.draining.clone() };
         let served = async move {
             match WriteTimeoutStream::new(stream, SEND_TIMEOUT).into_current_runtime() {
-                Ok(stream) => serve_connection(stream, connection, router, ends).await,
+                Ok(stream) => serve_connection(stream, connection, router, is_late, end).await,
                 Err(error) => tracing::debug!("a connection broke: {error}"),
             }
         };
-        if is_late {
-            late.spawn_on(served, &requests)
-        } else {
-            open.spawn_on(served, &requests)
-        };
+        let tasks = if is_late { &late } else { &open };
+        tasks.spawn_on(served, &requests);
     }
     drop(listener);
     over.cancel();
@@ -201,19 +180,8 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, endi
     late.wait().await;
 }
 
-/// End of a connection that neither side closes.
-enum ConnectionEnd {
-    /// After the answer that is in progress when this is cancelled.
-    AfterCurrentAnswer(CancellationToken),
-    /// After one answer. Without an answer if this is cancelled before a request arrives.
-    AfterOneAnswer(CancellationToken),
-}
-
 /// Accepts the next connection and takes its permit. While there are too many, others wait in the system's queue.
-async fn accept(
-    listener: &TcpListener,
-    permits: Arc<Semaphore>,
-) -> Option<(TcpStream, OwnedSemaphorePermit)> {
+async fn accept(listener: &TcpListener, permits: Arc<Semaphore>) -> Option<(TcpStream, OwnedSemaphorePermit)> {
     let permit = permits.acquire_owned().await.ok()?;
     loop {
         match listener.accept().await {
@@ -232,11 +200,14 @@ async fn accept(
     }
 }
 
+/// Answers the requests of a connection until either side closes it, or until the answer that is in progress when `end`
+/// is cancelled. A late connection gets one answer, or none if `end` is cancelled before a request arrives.
 async fn serve_connection(
     stream: WriteTimeoutStream,
     connection: Connection,
     router: Router,
-    ends: ConnectionEnd,
+    is_late: bool,
+    end: CancellationToken,
 ) {
     let service = TowerToHyperService::new(router);
     let named = connection.clone();
@@ -247,11 +218,7 @@ async fn serve_connection(
     });
     let mut served = http1::Builder::new();
     served.timer(TokioTimer::new()).header_read_timeout(HEADERS_TIMEOUT).max_buf_size(MAX_HEAD_BYTES);
-    let (is_last, end) = match ends {
-        ConnectionEnd::AfterCurrentAnswer(end) => (false, end),
-        ConnectionEnd::AfterOneAnswer(end) => (true, end),
-    };
-    served.keep_alive(!is_last);
+    served.keep_alive(!is_late);
     let served = served.serve_connection(TokioIo::new(stream), service).with_upgrades();
     let mut served = std::pin::pin!(served);
     let ended = tokio::select! {
@@ -286,9 +253,7 @@ mod tests {
         assert!(!oldest.0.close_token.is_cancelled());
         let _one_more = enter();
         assert!(oldest.0.close_token.is_cancelled());
-        assert!(
-            !known.0.close_token.is_cancelled() && rest.iter().all(|one| !one.0.close_token.is_cancelled())
-        );
+        assert!(!known.0.close_token.is_cancelled() && rest.iter().all(|one| !one.0.close_token.is_cancelled()));
         drop(rest);
         assert_eq!(anonymous.waiting.lock().unwrap().len(), 1);
     }

@@ -26,9 +26,7 @@ pub fn make(folder: &Path) -> Result<(), ServerError> {
         }
     } else if fs::metadata(folder).map_err(unusable)?.permissions().mode() & 0o077 != 0 {
         let folder = folder.display();
-        tracing::warn!(
-            "{folder}: others may look into this folder, though not read its files: chmod 700 {folder}"
-        );
+        tracing::warn!("{folder}: others may look into this folder, though not read its files: chmod 700 {folder}");
     }
     Ok(())
 }
@@ -41,10 +39,10 @@ fn restrict_to_owner(path: &Path) {
     if mode == closed {
         return;
     }
-    let shown = path.display();
+    let shown_path = path.display();
     match fs::set_permissions(path, Permissions::from_mode(closed)) {
-        Ok(()) => tracing::info!("{shown}: was open to others (mode {mode:o}) and is no longer"),
-        Err(reason) => tracing::warn!("{shown}: is open to others (mode {mode:o}): {reason}"),
+        Ok(()) => tracing::info!("{shown_path}: was open to others (mode {mode:o}) and is no longer"),
+        Err(reason) => tracing::warn!("{shown_path}: is open to others (mode {mode:o}): {reason}"),
     }
 }
 
@@ -52,8 +50,7 @@ fn restrict_to_owner(path: &Path) {
 pub fn lock(data: &Path) -> Result<File, ServerError> {
     let path = data.join(LOCK);
     let unusable = |reason| ServerError::Data { path: path.clone(), reason };
-    let file =
-        File::options().create(true).truncate(false).write(true).mode(0o600).open(&path).map_err(unusable)?;
+    let file = File::options().create(true).truncate(false).write(true).mode(0o600).open(&path).map_err(unusable)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(ServerError::Locked(data.into())),
@@ -85,9 +82,6 @@ mod tests {
             fs::set_permissions(new.join(name), Permissions::from_mode(0o644)).unwrap();
         }
         make(&new).unwrap();
-        assert_eq!(
-            [&new, &new.join(DATABASE_FILE), &new.join(LOCK)].map(|path| mode(path)),
-            [0o700, 0o600, 0o600]
-        );
+        assert_eq!([&new, &new.join(DATABASE_FILE), &new.join(LOCK)].map(|path| mode(path)), [0o700, 0o600, 0o600]);
     }
 }

@@ -31,8 +31,8 @@ impl DocumentText {
         let make = || {
             let document = protocol::Document::from(&self.document);
             let json = serde_json::to_string(&document).expect("plain data with string keys");
-            let held = self.in_flight.reserve_unchecked(json.len());
-            (json, held)
+            let reservation = self.in_flight.reserve_unchecked(json.len());
+            (json, reservation)
         };
         &self.made.get_or_init(make).0
     }
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_text_is_made_once_and_is_on_the_account_while_somebody_has_it() {
+    fn a_text_is_made_once_and_counts_as_in_flight_while_a_clone_exists() {
         let in_flight = ByteBudget::default();
         let text = Arc::new(DocumentText::new(Document::default(), in_flight.clone()));
         assert_eq!(in_flight.bytes(), 0, "nobody has asked");

@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use document::EditError;
 use edit::EditRefusal;
 use protocol::{ErrorCode, FileError, PROTOCOL, Problem, Refused, RenderRefusal};
 use reference::ReferenceError;
@@ -69,9 +70,7 @@ pub enum ServerError {
          --public-url http://{0}"
     )]
     ForeignHost(String),
-    #[error(
-        "this server speaks protocol {PROTOCOL}, not {0}: reload the page, or use a client of that version"
-    )]
+    #[error("this server speaks protocol {PROTOCOL}, not {0}: reload the page, or use a client of that version")]
     Protocol(u32),
     /// The first message is no `hello`, or a second one came.
     #[error("a connection begins with exactly one `hello`: send that first")]
@@ -172,22 +171,28 @@ pub enum ServerError {
     #[error("the server is stopping: try again in a moment")]
     Draining,
     /// Others changed the inputs of a drag during each of its solves.
-    #[error(
-        "the light, its pins or the scene changed {0} times while this was solved: try again when others are done"
-    )]
+    #[error("the light, its pins or the scene changed {0} times while this was solved: try again when others are done")]
     TooManySolveRetries(u32),
     /// A task of the server has ended unexpectedly.
     #[error("the server has a fault of its own: try again, and send its log to its makers")]
     Internal,
 }
 
+/// Gives an error if a size is over its limit.
+pub fn check_size(what: &'static str, size: usize, limit: usize, unit: &'static str) -> Result<(), ServerError> {
+    if size > limit { Err(ServerError::TooLarge { what, limit, unit }) } else { Ok(()) }
+}
+
 impl ServerError {
+    /// Makes the error of a message or a body that cannot be carried out. `sentence` says what to do.
+    pub fn bad_message(sentence: &str) -> Self {
+        Self::BadMessage(sentence.into())
+    }
+
     /// Returns the error code for clients.
     pub fn code(&self) -> ErrorCode {
         match self {
-            Self::Data { .. } | Self::Trace { .. } | Self::Locked(_) | Self::BadToken(_) => {
-                ErrorCode::Storage
-            }
+            Self::Data { .. } | Self::Trace { .. } | Self::Locked(_) | Self::BadToken(_) => ErrorCode::Storage,
             Self::Listen(_) | Self::Internal => ErrorCode::Fault,
             Self::Scene(_) => ErrorCode::BadScene,
             Self::NoDemo(_) => ErrorCode::UnknownAsset,
@@ -237,19 +242,15 @@ impl ServerError {
     /// the log only.
     pub fn problem(&self) -> Problem {
         let code = self.code();
-        if matches!(code, ErrorCode::Storage | ErrorCode::UnknownOutcome) {
-            tracing::error!("the store failed: {self}");
-        }
         let message = match (code, self) {
-            (ErrorCode::Storage, Self::StoreRead(_)) => READ_FAILED.into(),
-            (ErrorCode::Storage, Self::Opening(error)) if matches!(**error, Self::StoreRead(_)) => {
-                READ_FAILED.into()
-            }
-            (ErrorCode::Storage, _) => WRITE_FAILED.into(),
-            (ErrorCode::UnknownOutcome, _) => OUTCOME_UNKNOWN.into(),
-            _ => self.to_string(),
+            (ErrorCode::Storage, Self::StoreRead(_)) => READ_FAILED,
+            (ErrorCode::Storage, Self::Opening(error)) if matches!(**error, Self::StoreRead(_)) => READ_FAILED,
+            (ErrorCode::Storage, _) => WRITE_FAILED,
+            (ErrorCode::UnknownOutcome, _) => OUTCOME_UNKNOWN,
+            _ => return Problem { code, message: self.to_string() },
         };
-        Problem { code, message }
+        tracing::error!("the store failed: {self}");
+        Problem { code, message: message.into() }
     }
 }
 
@@ -266,6 +267,12 @@ fn names_in_sentence(people: &[String]) -> String {
         [one] => format!("{one} is"),
         [first, second] => format!("{first} and {second} are"),
         [first, others @ ..] => format!("{first} and {} others are", others.len()),
+    }
+}
+
+impl From<EditError> for ServerError {
+    fn from(error: EditError) -> Self {
+        EditRefusal::from(error).into()
     }
 }
 

@@ -48,8 +48,8 @@ pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<Star
     if uses_scene(store, name, asset) {
         return Ok(first);
     }
-    let held = store.open_session(name).ok().and_then(|opened| opened.session.document().scene().cloned());
-    let kept = Some(held.map_or_else(|| "what it has".to_owned(), |held| held.name));
+    let own_scene = store.open_session(name).ok().and_then(|opened| opened.session.document().scene().cloned());
+    let own_scene = Some(own_scene.map_or_else(|| "what it has".to_owned(), |scene| scene.name));
     let stem = session_name(scene);
     let names = (1..=MAX_NAME_TRIES).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
     for name in names.filter(|tried| tried != name) {
@@ -58,7 +58,7 @@ pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<Star
         } else if !uses_scene(store, &name, asset) {
             continue;
         }
-        return Ok(StartSession { name, scene_already_there: kept });
+        return Ok(StartSession { name, scene_already_there: own_scene });
     }
     Err(ServerError::NoSessionName(stem))
 }
@@ -66,10 +66,10 @@ pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<Star
 /// True if a session began with a scene or has it now. False for a session that cannot be read, so that it does not
 /// prevent a start.
 fn uses_scene(store: &Store, session: &str, asset: AssetHash) -> bool {
-    let holds = |session: Result<Session, StoreError>| {
+    let has_it = |session: Result<Session, StoreError>| {
         session.is_ok_and(|session| session.document().scene().is_some_and(|scene| scene.asset == asset))
     };
-    holds(store.replay(session, Some(1))) || holds(store.open_session(session).map(|opened| opened.session))
+    has_it(store.replay(session, Some(1))) || has_it(store.open_session(session).map(|opened| opened.session))
 }
 
 /// Adds its scene to a session that is missing or empty.
@@ -114,8 +114,7 @@ fn bytes_of(name: &str) -> Result<Vec<u8>, ServerError> {
 
 /// Stores a scene and its display name. Returns the scene's contents.
 fn store_scene(store: &Store, name: &str, bytes: &[u8]) -> Result<(AssetHash, SceneContents), ServerError> {
-    let loaded =
-        assets::load_bytes(bytes).map_err(|error| assets::AssetError { file: name.into(), ..error })?;
+    let loaded = assets::load_bytes(bytes).map_err(|error| assets::AssetError { file: name.into(), ..error })?;
     let asset = store.assets.put(bytes)?;
     let loaded = loaded.with_default_light();
     if loaded.name.as_deref() != Some(name) {

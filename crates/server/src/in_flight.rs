@@ -9,9 +9,7 @@ use std::time::Duration;
 use axum::body::Bytes;
 
 use crate::ServerError;
-use crate::limits::{
-    MAX_BODY_BYTES_IN_FLIGHT, MAX_BYTES_IN_FLIGHT, MIN_DELIVERY_BYTES_PER_SECOND, SEND_TIMEOUT,
-};
+use crate::limits::{MAX_BODY_BYTES_IN_FLIGHT, MAX_BYTES_IN_FLIGHT, MIN_DELIVERY_BYTES_PER_SECOND, SEND_TIMEOUT};
 
 /// Counts bytes in flight against `MAX_BYTES_IN_FLIGHT`. Clones share the count.
 #[derive(Clone, Debug, Default)]
@@ -27,7 +25,7 @@ struct BudgetCounters {
 /// Reserved bytes of the budget. Dropping the reservation frees them.
 #[derive(Debug)]
 pub struct ByteReservation {
-    account: ByteBudget,
+    budget: ByteBudget,
     bytes: usize,
 }
 
@@ -39,7 +37,7 @@ impl ByteBudget {
     /// Reserves bytes, or gives an error if they do not fit. Any number of bytes fits if none are reserved.
     pub fn reserve(&self, bytes: usize) -> Result<ByteReservation, ServerError> {
         try_add(&self.0.bytes, bytes, MAX_BYTES_IN_FLIGHT)?;
-        Ok(ByteReservation { account: self.clone(), bytes })
+        Ok(ByteReservation { budget: self.clone(), bytes })
     }
 
     /// Starts a reservation of zero bytes for a body.
@@ -50,7 +48,7 @@ impl ByteBudget {
     /// Reserves bytes even if they do not fit: for data that already exists and has to be sent.
     pub fn reserve_unchecked(&self, bytes: usize) -> ByteReservation {
         self.0.bytes.fetch_add(bytes, Ordering::Relaxed);
-        ByteReservation { account: self.clone(), bytes }
+        ByteReservation { budget: self.clone(), bytes }
     }
 
     /// Gives an error if the budget is used up.
@@ -75,9 +73,9 @@ pub fn delivery_timeout(bytes: usize) -> Duration {
 
 /// Adds bytes to a sum, or gives an error if the sum would exceed the limit. Any number can be added to a sum of zero.
 fn try_add(sum: &AtomicUsize, bytes: usize, most: usize) -> Result<(), ServerError> {
-    let fits = |held: usize| {
-        let sum = held.saturating_add(bytes);
-        (held == 0 || sum <= most).then_some(sum)
+    let fits = |reserved: usize| {
+        let sum = reserved.saturating_add(bytes);
+        (reserved == 0 || sum <= most).then_some(sum)
     };
     let taken = sum.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fits);
     taken.map(|_| ()).map_err(|_| ServerError::Busy)
@@ -87,10 +85,10 @@ impl BodyReservation {
     /// Grows the reservation to at least `bytes`, if that fits.
     pub fn grow_to(&mut self, bytes: usize) -> Result<(), ServerError> {
         let more = bytes.saturating_sub(self.0.bytes);
-        let account = &self.0.account.0;
-        try_add(&account.body_bytes, more, MAX_BODY_BYTES_IN_FLIGHT)?;
-        if let Err(busy) = try_add(&account.bytes, more, MAX_BYTES_IN_FLIGHT) {
-            account.body_bytes.fetch_sub(more, Ordering::Relaxed);
+        let budget = &self.0.budget.0;
+        try_add(&budget.body_bytes, more, MAX_BODY_BYTES_IN_FLIGHT)?;
+        if let Err(busy) = try_add(&budget.bytes, more, MAX_BYTES_IN_FLIGHT) {
+            budget.body_bytes.fetch_sub(more, Ordering::Relaxed);
             return Err(busy);
         }
         self.0.bytes += more;
@@ -100,29 +98,34 @@ impl BodyReservation {
 
 impl Drop for BodyReservation {
     fn drop(&mut self) {
-        self.0.account.0.body_bytes.fetch_sub(self.0.bytes, Ordering::Relaxed);
+        self.0.budget.0.body_bytes.fetch_sub(self.0.bytes, Ordering::Relaxed);
     }
 }
 
 impl ByteReservation {
     /// Attaches the reservation to bytes. It is freed when their last clone is dropped.
     pub fn attach_to(self, bytes: impl AsRef<[u8]> + Send + 'static) -> Bytes {
-        Bytes::from_owner(Owned { bytes, _reservation: self })
+        guarded_bytes(bytes, self)
     }
 }
 
 impl Drop for ByteReservation {
     fn drop(&mut self) {
-        self.account.0.bytes.fetch_sub(self.bytes, Ordering::Relaxed);
+        self.budget.0.bytes.fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }
 
-struct Owned<T> {
-    bytes: T,
-    _reservation: ByteReservation,
+/// Returns bytes that drop `guard` with their last clone.
+pub fn guarded_bytes(bytes: impl AsRef<[u8]> + Send + 'static, guard: impl Send + 'static) -> Bytes {
+    Bytes::from_owner(Guarded { bytes, _guard: guard })
 }
 
-impl<T: AsRef<[u8]>> AsRef<[u8]> for Owned<T> {
+struct Guarded<T, G> {
+    bytes: T,
+    _guard: G,
+}
+
+impl<T: AsRef<[u8]>, G> AsRef<[u8]> for Guarded<T, G> {
     fn as_ref(&self) -> &[u8] {
         self.bytes.as_ref()
     }
@@ -133,35 +136,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_account_holds_what_fits_and_one_alone_always_does() {
-        let account = ByteBudget::default();
-        let alone = account.reserve(2 * MAX_BYTES_IN_FLIGHT).unwrap();
-        assert!(matches!(account.reserve(1), Err(ServerError::Busy)));
+    fn reservations_are_limited_but_a_single_one_always_fits() {
+        let budget = ByteBudget::default();
+        let alone = budget.reserve(2 * MAX_BYTES_IN_FLIGHT).unwrap();
+        assert!(matches!(budget.reserve(1), Err(ServerError::Busy)));
         drop(alone);
-        let most = account.reserve(MAX_BYTES_IN_FLIGHT).unwrap();
-        assert!(account.reserve(1).is_err() && account.body().grow_to(1).is_err());
+        let most = budget.reserve(MAX_BYTES_IN_FLIGHT).unwrap();
+        assert!(budget.reserve(1).is_err() && budget.body().grow_to(1).is_err());
         drop(most);
-        let counted = account.reserve_unchecked(10).attach_to(vec![0; 10]);
+        let counted = budget.reserve_unchecked(10).attach_to(vec![0; 10]);
         let clone = counted.clone();
         drop(counted);
-        assert_eq!(account.bytes(), 10, "shared bytes count once, until the last clone is gone");
+        assert_eq!(budget.bytes(), 10, "shared bytes count once, until the last clone is gone");
         drop(clone);
-        assert_eq!(account.bytes(), 0);
+        assert_eq!(budget.bytes(), 0);
     }
 
     #[test]
     fn bodies_leave_room_for_answers() {
-        let account = ByteBudget::default();
-        let mut bodies: Vec<_> = (0..3).map(|_| account.body()).collect();
+        let budget = ByteBudget::default();
+        let mut bodies: Vec<_> = (0..3).map(|_| budget.body()).collect();
         bodies[0].grow_to(MAX_BODY_BYTES_IN_FLIGHT / 2).unwrap();
         bodies[1].grow_to(MAX_BODY_BYTES_IN_FLIGHT / 2).unwrap();
         bodies[1].grow_to(1).unwrap();
         assert!(matches!(bodies[2].grow_to(1), Err(ServerError::Busy)));
-        assert_eq!(account.bytes(), MAX_BODY_BYTES_IN_FLIGHT, "what was refused is not on the account");
-        let answer = account.reserve(MAX_BYTES_IN_FLIGHT - MAX_BODY_BYTES_IN_FLIGHT).unwrap();
+        assert_eq!(budget.bytes(), MAX_BODY_BYTES_IN_FLIGHT, "what was refused is not on the budget");
+        let answer = budget.reserve(MAX_BYTES_IN_FLIGHT - MAX_BODY_BYTES_IN_FLIGHT).unwrap();
         bodies.remove(0);
         bodies[1].grow_to(1).unwrap();
         drop((bodies, answer));
-        assert_eq!((account.bytes(), account.0.body_bytes.load(Ordering::Relaxed)), (0, 0));
+        assert_eq!((budget.bytes(), budget.0.body_bytes.load(Ordering::Relaxed)), (0, 0));
     }
 }

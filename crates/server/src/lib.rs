@@ -11,7 +11,6 @@
 mod access;
 mod allowances;
 mod anonymous;
-mod backend;
 mod background;
 mod charges;
 mod connections;
@@ -35,14 +34,15 @@ mod renderer;
 mod request;
 mod room;
 mod scenes;
-mod send_within;
 mod server;
+mod services;
 mod socket;
 mod solver;
 mod state;
 mod storage;
 mod trace;
 mod views;
+mod write_timeout;
 
 pub use access::{PublicUrl, Token};
 pub use background::request_runtime;

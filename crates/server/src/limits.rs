@@ -81,7 +81,7 @@ pub const SMALL_BYTES: usize = 64 << 10;
 /// Factor for the bytes of a body: the data made from its JSON takes a few times as much.
 pub const BODY_COST: usize = 4;
 /// Size from which an answer is compressed. A shorter one fits into a packet or two anyway.
-pub const COMPRESSED_FROM_BYTES: u16 = 1 << 10;
+pub const COMPRESSED_FROM_BYTES: u64 = 1 << 10;
 /// Size of a page of a log that is sent while it is read, in bytes, except for a single larger record.
 pub const LOG_PAGE_BYTES: usize = 128 << 10;
 /// Greatest size of a request's head in bytes. A connection takes at most as many bytes of an answer from its stream at

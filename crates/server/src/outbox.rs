@@ -107,7 +107,7 @@ impl Outbox {
     pub fn send_text(&mut self, text: SharedText) {
         self.backlog.send_modify(|backlog| backlog.add(&text));
         match &mut self.deferred_answers {
-            Some(held) => held.push(text),
+            Some(answers) => answers.push(text),
             None => self.queue(text),
         }
     }
@@ -132,14 +132,14 @@ impl Outbox {
 
     /// True if the client is behind and has taken everything that it was sent.
     pub fn can_catch_up(&self) -> bool {
-        self.deferred_answers.as_ref().is_some_and(|held| self.backlog.borrow().messages == held.len())
+        self.deferred_answers.as_ref().is_some_and(|answers| self.backlog.borrow().messages == answers.len())
     }
 
     /// Sends a client that is behind the current state of the session, and then its answers.
     pub fn catch_up(&mut self, resync: SharedText) {
-        let held = self.deferred_answers.take().unwrap_or_default();
+        let answers = self.deferred_answers.take().unwrap_or_default();
         self.send_text(resync);
-        for text in held {
+        for text in answers {
             self.queue(text);
         }
     }
@@ -239,7 +239,7 @@ pub fn error_message(error: &ServerError, fatal: bool) -> ServerMessage {
 mod tests {
     use super::*;
 
-    fn said(text: &str) -> SharedText {
+    fn shared(text: &str) -> SharedText {
         text.to_owned().into()
     }
 
@@ -252,19 +252,19 @@ mod tests {
     }
 
     #[test]
-    fn who_does_not_read_is_sent_a_bounded_part_and_the_rest_at_once() {
+    fn a_client_that_does_not_read_gets_a_bounded_part_and_then_the_current_state() {
         let (mut outbox, mut end) = outbox(ByteBudget::default());
         for _ in 0..2 * CONTROL_QUEUE {
-            outbox.try_broadcast(said("news"));
+            outbox.try_broadcast(shared("news"));
         }
-        outbox.send_text(said("answer"));
+        outbox.send_text(shared("answer"));
         assert!(outbox.is_behind() && !outbox.can_take_frame() && !outbox.can_catch_up());
         assert!(!end.backlog().borrow().is_reading(), "it is not listened to meanwhile");
         assert_eq!(sent(&mut end).len(), CONTROL_QUEUE, "the answer waits for what it refers to");
         assert!(outbox.can_catch_up());
-        outbox.catch_up(said("all"));
-        outbox.try_broadcast(said("more"));
-        assert_eq!(sent(&mut end), ["all", "answer", "more"].map(said));
+        outbox.catch_up(shared("all"));
+        outbox.try_broadcast(shared("more"));
+        assert_eq!(sent(&mut end), ["all", "answer", "more"].map(shared));
         assert!(!outbox.is_behind() && outbox.can_take_frame() && end.backlog().borrow().is_reading());
     }
 
@@ -285,10 +285,9 @@ mod tests {
     }
 
     #[test]
-    fn texts_are_on_the_account_once_and_where_it_is_full_who_does_not_read_is_behind() {
+    fn texts_count_once_and_a_full_budget_leaves_clients_behind_that_do_not_read() {
         let in_flight = ByteBudget::default();
-        let ((mut one, mut end), (mut two, _two_end)) =
-            (outbox(in_flight.clone()), outbox(in_flight.clone()));
+        let ((mut one, mut end), (mut two, _two_end)) = (outbox(in_flight.clone()), outbox(in_flight.clone()));
         let news = ServerMessage::Draining { retry_after_ms: 1 };
         let text = SharedText::of(&news, &in_flight);
         let length = text.own_bytes;
@@ -302,7 +301,7 @@ mod tests {
         two.try_broadcast(text);
         assert!(!one.is_behind() && !two.is_behind(), "others' large messages hold up no small ones");
         sent(&mut end);
-        let large = said(&"x".repeat(SMALL_BYTES));
+        let large = shared(&"x".repeat(SMALL_BYTES));
         one.try_broadcast(large.clone());
         two.try_broadcast(large);
         assert!(!one.is_behind() && two.is_behind(), "who reads is told, who does not is behind");

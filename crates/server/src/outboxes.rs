@@ -79,14 +79,9 @@ impl Outboxes {
         }
     }
 
-    /// True if a client has room for a frame.
-    pub fn can_take_frame(&self, client: ClientId) -> bool {
-        self.boxes.get(&client).is_some_and(Outbox::can_take_frame)
-    }
-
-    /// True if a client has room for a frame and has taken all earlier ones.
-    pub fn has_empty_frame_queue(&self, client: ClientId) -> bool {
-        self.boxes.get(&client).is_some_and(Outbox::has_empty_frame_queue)
+    /// True if `condition` is true for a client's outbox.
+    pub fn is(&self, client: ClientId, condition: impl Fn(&Outbox) -> bool) -> bool {
+        self.boxes.get(&client).is_some_and(condition)
     }
 
     /// Sends a client the messages of a frame.
@@ -99,11 +94,6 @@ impl Outboxes {
     /// Returns the clients whose connection is closed.
     pub fn closed(&self) -> Vec<ClientId> {
         self.boxes.iter().filter(|(_, outbox)| outbox.is_closed()).map(|(id, _)| *id).collect()
-    }
-
-    /// True if a client is behind.
-    pub fn is_behind(&self, client: ClientId) -> bool {
-        self.boxes.get(&client).is_some_and(Outbox::is_behind)
     }
 
     /// True if `chosen` is true for any client's outbox.

@@ -11,9 +11,7 @@ use crate::ServerError;
 use crate::allowances::{Allowance, AllowanceRate, Allowances};
 use crate::background;
 use crate::charges::Payer;
-use crate::limits::{
-    MAX_UPLOAD_CHARGE, MESSAGE_COST_EDITS, MOVING_FOR, THROTTLED_MESSAGE_RATE, THROTTLED_UPLOAD_RATE,
-};
+use crate::limits::{MAX_UPLOAD_CHARGE, MESSAGE_COST_EDITS, MOVING_FOR, THROTTLED_MESSAGE_RATE, THROTTLED_UPLOAD_RATE};
 use crate::views::MovingPixels;
 
 /// Throttle of a socket's messages. Edits also count for the client.
@@ -21,7 +19,6 @@ use crate::views::MovingPixels;
 pub struct SocketPacing {
     payer: Payer,
     allowance: Allowance,
-    moving: Arc<MovingPixels>,
     edits: Arc<RequestPacing>,
 }
 
@@ -44,13 +41,13 @@ impl SocketPacing {
     /// Makes the throttle of a socket of that client. It shares `edits` with requests and other sockets.
     pub fn new(payer: Payer, edits: &Arc<RequestPacing>) -> Self {
         let allowance = Allowance::full(THROTTLED_MESSAGE_RATE, Instant::now());
-        Self { payer, allowance, moving: Arc::clone(&edits.moving), edits: Arc::clone(edits) }
+        Self { payer, allowance, edits: Arc::clone(edits) }
     }
 
     /// Waits until the next message may be carried out.
     pub async fn wait(&mut self) {
         let try_take = |now| self.allowance.try_take(1.0, now);
-        wait_while_others_interact(&self.moving, self.payer.actor_id(), try_take).await;
+        wait_while_others_interact(&self.edits.moving, self.payer.actor_id(), try_take).await;
     }
 
     /// Waits until the next edit may be carried out.
@@ -130,17 +127,22 @@ mod tests {
     use tokio::time::timeout;
 
     use super::*;
+    use crate::charges::tests::payer;
     use crate::limits::THROTTLED_EDIT_RATE;
 
     fn moved_by(actor_id: &str) -> Arc<MovingPixels> {
-        let moving = MovingPixels::default();
-        moving.record_picture(&actor_id.into(), (ViewSlot(1), true), [640, 360], Instant::now());
-        Arc::new(moving)
+        let moving = Arc::<MovingPixels>::default();
+        move_view(&moving, actor_id);
+        moving
+    }
+
+    fn move_view(moving: &MovingPixels, actor_id: &str) {
+        moving.record_picture(&actor_id.into(), ViewSlot(1), true, [640, 360], Instant::now());
     }
 
     fn pacing_of(actor: &str, moving: Arc<MovingPixels>) -> SocketPacing {
         let edits = Arc::new(RequestPacing::new(THROTTLED_EDIT_RATE, moving));
-        SocketPacing::new(Payer::new(&"shot".into(), actor), &edits)
+        SocketPacing::new(payer("shot", actor), &edits)
     }
 
     /// Measures the seconds in which one client's socket lets through `more` messages beyond the burst.
@@ -169,7 +171,6 @@ mod tests {
     #[tokio::test]
     async fn edits_wait_for_those_of_their_session_whoever_makes_them() {
         let pacing = RequestPacing::new(THROTTLED_EDIT_RATE, moved_by("ada"));
-        let payer = |session: &str, actor: &str| Payer::new(&session.into(), actor);
         // A view counts as moving for 300 ms after its last picture, and this amount refills in less.
         let more = 30.0;
         pacing.wait(&payer("shot", "ben"), THROTTLED_EDIT_RATE.burst + more).await;
@@ -198,7 +199,7 @@ mod tests {
     #[tokio::test]
     async fn uploads_rest_only_while_a_client_interacts() {
         let work = Duration::from_millis(5);
-        let seconds = async |hand_moves: bool| {
+        let seconds = async |view_moves: bool| {
             let moving = Arc::<MovingPixels>::default();
             let decoding = Arc::new(Semaphore::new(1));
             let uploads = Arc::new(Mutex::new(UploadPacing::new(Arc::clone(&moving))));
@@ -206,8 +207,8 @@ mod tests {
             let start = Instant::now();
             turn().await.allowance.try_take(THROTTLED_UPLOAD_RATE.burst, start).expect("all is left");
             for _ in 0..10 {
-                if hand_moves {
-                    moving.record_picture(&"ada".into(), (ViewSlot(1), true), [640, 360], Instant::now());
+                if view_moves {
+                    move_view(&moving, "ada");
                 }
                 drop(UploadPacing::run(turn().await, &decoding, move || sleep(work)).await.expect("decoded"));
             }

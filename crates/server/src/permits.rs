@@ -66,25 +66,25 @@ mod tests {
 
     /// Returns the number of permits that each of these sessions gets if they take as many as they can, one session
     /// after the other.
-    fn had(most: usize, sessions: &[&str]) -> Vec<usize> {
+    fn taken(most: usize, sessions: &[&str]) -> Vec<usize> {
         let permits = SessionPermits::new("pictures", most);
-        let mut held = Vec::new();
+        let mut permits_of_all = Vec::new();
         let count = |session: &&str| {
             let own: Vec<_> = std::iter::from_fn(|| permits.acquire(session).ok()).collect();
             let count = own.len();
-            held.extend(own);
+            permits_of_all.extend(own);
             count
         };
-        let had = sessions.iter().map(count).collect();
-        drop(held);
+        let counts = sessions.iter().map(count).collect();
+        drop(permits_of_all);
         assert!(permits.taken().is_empty(), "all come back");
-        had
+        counts
     }
 
     #[test]
     fn no_session_takes_all() {
-        assert_eq!(had(8, &["greedy", "other", "third", "fourth"]), [4, 2, 1, 1]);
-        assert_eq!(had(64, &["greedy", "other"]), [32, 16]);
+        assert_eq!(taken(8, &["greedy", "other", "third", "fourth"]), [4, 2, 1, 1]);
+        assert_eq!(taken(64, &["greedy", "other"]), [32, 16]);
         let permits = SessionPermits::new("pictures", 2);
         let _one = permits.acquire("greedy").expect("free");
         let refused = permits.acquire("greedy").expect_err("the last is another's");

@@ -13,10 +13,10 @@ use reference::{LightState, Reference};
 use scene::{Camera, View, ViewRay};
 
 use crate::ServerError;
-use crate::backend::Services;
 use crate::background;
 use crate::request::valid_camera;
 use crate::scenes::DecodedScene;
+use crate::services::Services;
 
 /// A pixel to probe.
 #[derive(Clone, Debug)]
@@ -35,8 +35,8 @@ pub struct ProbeJob {
 }
 
 /// Returns the camera of the probe: one of the document, or the one in the request.
-pub fn chosen_camera(wanted: ProbeCamera, document: &Document) -> Result<Camera, ServerError> {
-    match wanted {
+pub fn chosen_camera(choice: ProbeCamera, document: &Document) -> Result<Camera, ServerError> {
+    match choice {
         ProbeCamera::Own(camera) => valid_camera(camera),
         ProbeCamera::Id(id) => document.cameras().get(&CameraId(id)).cloned().ok_or_else(|| {
             let remedy = "give the id of one of the document's";
@@ -46,7 +46,7 @@ pub fn chosen_camera(wanted: ProbeCamera, document: &Document) -> Result<Camera,
 }
 
 /// Finds the reasons why a pixel is lit or not, for each light.
-pub async fn probe(backend: &Services, probe: ProbeJob) -> Result<Probed, ServerError> {
+pub async fn probe(services: &Services, probe: ProbeJob) -> Result<Probed, ServerError> {
     let size = RenderLimits::HTTP.check_size(probe.size)?;
     let follow = move |bvh| {
         let reference = Reference::for_point_queries(bvh);
@@ -59,30 +59,26 @@ pub async fn probe(backend: &Services, probe: ProbeJob) -> Result<Probed, Server
             shows.then(centre).flatten().map(Into::into)
         }))
     };
-    follow_rays(backend, &probe.scene, follow).await?
+    follow_rays(services, &probe.scene, follow).await?
 }
 
 /// Finds the point in the middle of a camera's picture, in world space. Returns `None` if there is no surface.
-pub async fn pick(
-    backend: &Services,
-    camera: Camera,
-    scene: &DecodedScene,
-) -> Result<Option<DVec3>, ServerError> {
+pub async fn pick(services: &Services, camera: Camera, scene: &DecodedScene) -> Result<Option<DVec3>, ServerError> {
     let follow = move |bvh: Arc<Bvh>| {
         let origin_in_world = bvh.posed.origin_in_world;
         let ray = ViewRay::new(&camera, [1, 1], DVec2::splat(0.5), origin_in_world);
         bvh.visible_point(&ray).map(|seen| seen.position + origin_in_world)
     };
-    follow_rays(backend, scene, follow).await
+    follow_rays(services, scene, follow).await
 }
 
 /// Traces rays through a scene in the background. A few run at once over all sessions, and others wait.
 async fn follow_rays<T: Send + 'static>(
-    backend: &Services,
+    services: &Services,
     scene: &DecodedScene,
     follow: impl FnOnce(Arc<Bvh>) -> T + Send + 'static,
 ) -> Result<T, ServerError> {
     let bvh = scene.bvh().await?;
-    let permit = Arc::clone(&backend.probes).acquire_owned().await.map_err(|_| ServerError::Internal)?;
+    let permit = Arc::clone(&services.probes).acquire_owned().await.map_err(|_| ServerError::Internal)?;
     background::run_with(permit, move || follow(bvh)).await.map(|(found, _)| found)
 }

@@ -28,11 +28,7 @@ impl Reading {
             ("virtual_memory_bytes", "Virtual memory", stat.vsize as f64),
             ("threads", "Threads", stat.num_threads as f64),
             ("open_fds", "Open files and sockets", process.fd_count()? as f64),
-            (
-                "start_time_seconds",
-                "Start, in seconds since 1970",
-                boot_time_secs()? as f64 + seconds(stat.starttime),
-            ),
+            ("start_time_seconds", "Start, in seconds since 1970", boot_time_secs()? as f64 + seconds(stat.starttime)),
         ];
         if let LimitValue::Value(most) = process.limits()?.max_open_files.soft_limit {
             gauges.push(("max_fds", "Open files and sockets at most", most as f64));

@@ -1,6 +1,6 @@
 //! Requests of clients and programs, converted from their messages.
 
-use document::{Command, Document};
+use document::{Command, Document, EditError};
 use edit::{Actor, UndoScope};
 use light::LightId;
 use protocol::{ClientMessage, Interaction, ProbeCamera, ViewSource};
@@ -8,6 +8,7 @@ use scene::Camera;
 use store::check_scene_name;
 
 use crate::ServerError;
+use crate::error::check_size;
 use crate::limits::{MAX_LABEL_BYTES, MAX_VIEW_PIXELS, MAX_VIEW_SIDE};
 use crate::outboxes::ClientId;
 use crate::scenes::SceneCache;
@@ -18,16 +19,9 @@ use crate::views::ViewSettings;
 pub enum ClientRequest {
     /// Opens a view of the client's own.
     OpenView {
-        camera: Camera,
-        /// Number that the client gives the camera.
-        camera_revision: u32,
-        settings: ViewSettings,
-        /// Parts of the picture that may be reduced while something moves.
-        interaction: Interaction,
+        parameters: ViewParameters,
         /// True if the client wants statistics of each frame.
         stats: bool,
-        /// Width and height in pixels.
-        size: [u32; 2],
     },
     /// Follows the view of another client.
     Follow {
@@ -70,7 +64,7 @@ pub enum ClientRequest {
         gesture: String,
         /// Number that the client gives the update.
         update: u64,
-        /// Command with the state of the drag, or the error of its conversion.
+        /// Command with the state of the drag, or the reason why the message holds no valid command.
         command: Result<Command, ServerError>,
     },
     /// Ends a drag without a record.
@@ -97,11 +91,21 @@ impl ClientRequest {
 
     /// True if the request may change the document or a gesture.
     pub fn may_edit(&self) -> bool {
-        matches!(
-            self,
-            Self::Step(_) | Self::BeginGesture { .. } | Self::UpdateGesture { .. } | Self::CancelGesture(_)
-        )
+        matches!(self, Self::Step(_) | Self::BeginGesture { .. } | Self::UpdateGesture { .. } | Self::CancelGesture(_))
     }
+}
+
+/// Camera, settings and size of a view.
+#[derive(Clone, Debug)]
+pub struct ViewParameters {
+    pub camera: Camera,
+    /// Number that the client gives the camera.
+    pub camera_revision: u32,
+    pub settings: ViewSettings,
+    /// Parts of the picture that may be reduced while something moves.
+    pub interaction: Interaction,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
 }
 
 /// A question about a pixel.
@@ -119,14 +123,15 @@ pub struct ProbeQuestion {
     pub wants_highlights: bool,
 }
 
-/// A request for a record with its sender's id, or the error of its conversion.
+/// Request to add a record to the log, under the operation id that its sender chose. `request` is an error if the
+/// message could not be converted.
 #[derive(Debug)]
 pub struct RecordRequest {
     pub op_id: String,
     pub request: Result<RecordAction, ServerError>,
 }
 
-/// Content of a request for a record, before a document is applied.
+/// Content of a request for a record. Names in it are not yet looked up in a document.
 #[derive(Debug)]
 pub enum RecordAction {
     Edit(RequestedEdit),
@@ -148,7 +153,7 @@ pub struct RequestedEdit {
     pub command: RequestedCommand,
 }
 
-/// A command, with ids or names.
+/// Command, whose address may have names in place of ids.
 #[derive(Clone, Debug)]
 pub enum RequestedCommand {
     /// A command that means the same in every document.
@@ -168,26 +173,22 @@ impl RequestedCommand {
         match self {
             Self::Command(command) => Ok(command.clone()),
             Self::Set { target, value } => {
-                let target = document.address_by_id(target).map_err(edit::EditRefusal::from)?;
+                let target = document.address_by_id(target)?;
                 Ok(protocol::Command::Set { target, value: value.clone() }.try_into()?)
             }
         }
-    }
-
-    /// True if the command depends on the scene ([`needs_scene`]).
-    fn needs_scene(&self) -> bool {
-        matches!(self, Self::Command(command) if needs_scene(command))
     }
 }
 
 impl RecordRequest {
     /// True if the request depends on the scene ([`needs_scene`]), unless it was carried out before.
     pub fn needs_scene(&self) -> bool {
-        match &self.request {
-            Ok(RecordAction::Edit(edit)) => edit.command.needs_scene(),
-            Ok(RecordAction::Group(edits)) => edits.iter().any(|edit| edit.command.needs_scene()),
-            Ok(RecordAction::Commit(_) | RecordAction::Undo(_) | RecordAction::Redo(_)) | Err(_) => false,
-        }
+        let edits = match &self.request {
+            Ok(RecordAction::Edit(edit)) => std::slice::from_ref(edit),
+            Ok(RecordAction::Group(edits)) => edits,
+            _ => &[],
+        };
+        edits.iter().any(|edit| matches!(&edit.command, RequestedCommand::Command(command) if needs_scene(command)))
     }
 }
 
@@ -197,13 +198,9 @@ pub fn needs_scene(command: &Command) -> bool {
     matches!(command, Command::DragFeature { .. } | Command::BendLight { .. })
 }
 
-/// Converts a message of a client. If that fails, the result is `ClientRequest::Invalid`, which the session answers
-/// with the error in the order of messages.
-pub async fn client_request(message: ClientMessage, scenes: &SceneCache) -> ClientRequest {
-    parse(message, scenes).await.unwrap_or_else(ClientRequest::Invalid)
-}
-
-async fn parse(message: ClientMessage, scenes: &SceneCache) -> Result<ClientRequest, ServerError> {
+/// Converts a message of a client. The caller makes an error a `ClientRequest::Invalid`, which the session answers in the
+/// order of messages.
+pub async fn client_request(message: ClientMessage, scenes: &SceneCache) -> Result<ClientRequest, ServerError> {
     Ok(match message {
         ClientMessage::Hello { .. } => return Err(ServerError::Hello),
         ClientMessage::OpenView {
@@ -214,14 +211,13 @@ async fn parse(message: ClientMessage, scenes: &SceneCache) -> Result<ClientRequ
             settings,
             interaction,
             stats,
-        } => ClientRequest::OpenView {
-            camera: valid_camera(camera)?,
-            camera_revision,
-            settings: settings.map(TryInto::try_into).transpose()?.unwrap_or_default(),
-            interaction: interaction.unwrap_or_default(),
-            stats,
-            size: view_size(width, height)?,
-        },
+        } => {
+            let camera = valid_camera(camera)?;
+            let settings = settings.map(TryInto::try_into).transpose()?.unwrap_or_default();
+            let (interaction, size) = (interaction.unwrap_or_default(), view_size(width, height)?);
+            let parameters = ViewParameters { camera, camera_revision, settings, interaction, size };
+            ClientRequest::OpenView { parameters, stats }
+        }
         ClientMessage::OpenView { source: ViewSource::Follow(leader), stats, .. } => {
             ClientRequest::Follow { leader, stats }
         }
@@ -235,18 +231,14 @@ async fn parse(message: ClientMessage, scenes: &SceneCache) -> Result<ClientRequ
         ClientMessage::Ack { frame } => ClientRequest::Ack(frame),
         ClientMessage::RequestKeyFrame { frame } => ClientRequest::RequestKeyFrame(frame),
         ClientMessage::Edit { op_id, base_seq, command } => {
-            let request = asked_edit(command, Some(base_seq), scenes).await;
+            let request = requested_edit(command, Some(base_seq), scenes).await;
             ClientRequest::Step(step(op_id, request.map(RecordAction::Edit))?)
         }
         ClientMessage::GestureCommit { gesture, op_id } => {
             ClientRequest::Step(step(op_id, label(gesture).map(RecordAction::Commit))?)
         }
-        ClientMessage::Undo { op_id, scope } => {
-            ClientRequest::Step(step(op_id, Ok(RecordAction::Undo(scope.into())))?)
-        }
-        ClientMessage::Redo { op_id, scope } => {
-            ClientRequest::Step(step(op_id, Ok(RecordAction::Redo(scope.into())))?)
-        }
+        ClientMessage::Undo { op_id, scope } => ClientRequest::Step(step(op_id, Ok(RecordAction::Undo(scope.into())))?),
+        ClientMessage::Redo { op_id, scope } => ClientRequest::Step(step(op_id, Ok(RecordAction::Redo(scope.into())))?),
         ClientMessage::GestureBegin { gesture, light, base_seq } => {
             ClientRequest::BeginGesture { gesture: label(gesture)?, light: LightId(light), base_seq }
         }
@@ -257,27 +249,25 @@ async fn parse(message: ClientMessage, scenes: &SceneCache) -> Result<ClientRequ
         ClientMessage::GestureCancel { gesture } => ClientRequest::CancelGesture(label(gesture)?),
         ClientMessage::Presence { selection } => ClientRequest::Select(selection),
         ClientMessage::History {} => ClientRequest::History,
-        ClientMessage::Probe { probe, pixel, camera, size, highlights } => {
-            ClientRequest::Probe(ProbeQuestion {
-                probe: label(probe)?,
-                camera,
-                size,
-                pixel,
-                wants_highlights: highlights,
-            })
-        }
+        ClientMessage::Probe { probe, pixel, camera, size, highlights } => ClientRequest::Probe(ProbeQuestion {
+            probe: label(probe)?,
+            camera,
+            size,
+            pixel,
+            wants_highlights: highlights,
+        }),
         ClientMessage::Ping { sent } => ClientRequest::Ping(sent),
     })
 }
 
-/// Makes a step with its sender's id.
+/// Makes a request for a record and checks the length of its operation id.
 pub fn step(op_id: String, request: Result<RecordAction, ServerError>) -> Result<RecordRequest, ServerError> {
     Ok(RecordRequest { op_id: label(op_id)?, request })
 }
 
 /// Converts a command. Decodes a scene that it loads, outside the session's task, replaces a demo's name by the hash of
 /// its bytes, and looks up the scene's name if the command does not give it.
-pub async fn asked_edit(
+pub async fn requested_edit(
     mut command: protocol::Command,
     base_seq: Option<u64>,
     scenes: &SceneCache,
@@ -287,9 +277,9 @@ pub async fn asked_edit(
     }
     if let protocol::Command::LoadScene { scene, name } = &mut command {
         name.as_deref().map_or(Ok(()), check_scene_name)?;
-        let (asset, called) = scenes.resolve(scene).await?;
+        let (asset, known_name) = scenes.resolve(scene).await?;
         *scene = asset.to_string();
-        name.get_or_insert(called);
+        name.get_or_insert(known_name);
     }
     Ok(RequestedEdit { base_seq, command: RequestedCommand::Command(command.try_into()?) })
 }
@@ -301,32 +291,23 @@ pub fn actor(wire: protocol::Actor) -> Result<Actor, ServerError> {
 
 /// Checks the length of a name that a client chose.
 fn label(text: String) -> Result<String, ServerError> {
-    if text.len() > MAX_LABEL_BYTES {
-        let what = "a name of an actor, an operation, a gesture or a probe";
-        return Err(ServerError::TooLarge { what, limit: MAX_LABEL_BYTES, unit: "bytes" });
-    }
+    check_size("a name of an actor, an operation, a gesture or a probe", text.len(), MAX_LABEL_BYTES, "bytes")?;
     Ok(text)
 }
 
 /// Converts a camera and checks it.
 pub fn valid_camera(wire: protocol::Camera) -> Result<Camera, ServerError> {
     let camera = Camera::from(wire);
-    camera.check().map_err(|why| edit::EditRefusal::from(document::EditError::InvalidCamera(why)))?;
+    camera.check().map_err(EditError::InvalidCamera)?;
     Ok(camera)
 }
 
 /// Checks that a view of that size can be streamed.
 fn view_size(width: u32, height: u32) -> Result<[u32; 2], ServerError> {
     if width == 0 || height == 0 {
-        return Err(ServerError::BadMessage("a view has no pixels: give it a width and a height".into()));
+        return Err(ServerError::bad_message("a view has no pixels: give it a width and a height"));
     }
-    if width > MAX_VIEW_SIDE || height > MAX_VIEW_SIDE {
-        let (what, limit) = ("a side of a view", MAX_VIEW_SIDE as usize);
-        return Err(ServerError::TooLarge { what, limit, unit: "pixels" });
-    }
-    if width * height > MAX_VIEW_PIXELS {
-        let (what, limit) = ("a view", MAX_VIEW_PIXELS as usize);
-        return Err(ServerError::TooLarge { what, limit, unit: "pixels" });
-    }
+    check_size("a side of a view", width.max(height) as usize, MAX_VIEW_SIDE as usize, "pixels")?;
+    check_size("a view", (width * height) as usize, MAX_VIEW_PIXELS as usize, "pixels")?;
     Ok([width, height])
 }

@@ -5,7 +5,7 @@ use std::io::{self, Read, Seek};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use assets::LoadedScene;
-use document::{AssetHash, Document, SceneContents};
+use document::{AssetHash, CommandContext, Document, EditError, SceneContents, SolvedDrag};
 use protocol::Asset;
 use raycast::Bvh;
 use scene::PosedScene;
@@ -68,13 +68,13 @@ impl SceneCache {
     }
 
     /// Resolves `demo:NAME` or `sha256:HEX` to an asset that decodes, and returns its display name.
-    pub async fn resolve(&self, wanted: &str) -> Result<(AssetHash, String), ServerError> {
-        let asset = match wanted.strip_prefix(DEMO) {
+    pub async fn resolve(&self, reference: &str) -> Result<(AssetHash, String), ServerError> {
+        let asset = match reference.strip_prefix(DEMO) {
             Some(demo) => {
                 let no_demo = || ServerError::NoDemo(demo.chars().take(64).collect());
                 self.storage.put_asset(assets::demo_bytes(demo).ok_or_else(no_demo)?).await?
             }
-            None => wanted.parse().map_err(protocol::Refused::from)?,
+            None => reference.parse().map_err(protocol::Refused::from)?,
         };
         let decoded = self.load(asset).await?;
         Ok((asset, self.name_of(asset, &decoded).await?))
@@ -138,21 +138,19 @@ impl SceneCache {
     }
 
     fn cached(&self, asset: &AssetHash) -> Option<DecodedScene> {
-        let mut kept = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
-        let index = kept.iter().position(|(known, _)| known == asset)?;
-        let found = kept.remove(index);
-        let decoded = found.1.clone();
-        kept.push(found);
-        Some(decoded)
+        let mut cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
+        let index = cache.iter().position(|(known, _)| known == asset)?;
+        cache[index..].rotate_left(1);
+        cache.last().map(|(_, decoded)| decoded.clone())
     }
 
     fn cache_scene(&self, asset: AssetHash, decoded: &DecodedScene) {
-        let mut kept = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.retain(|(known, _)| *known != asset);
-        if kept.len() == MAX_CACHED_SCENES {
-            kept.remove(0);
+        let mut cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
+        cache.retain(|(known, _)| *known != asset);
+        if cache.len() == MAX_CACHED_SCENES {
+            cache.remove(0);
         }
-        kept.push((asset, decoded.clone()));
+        cache.push((asset, decoded.clone()));
     }
 }
 
@@ -163,6 +161,12 @@ impl DecodedScene {
         let (posed, contents) = (scene::pose(scene), Arc::new(contents));
         let notes = notes.into_iter().chain(performance_notes(&posed)).collect();
         Ok(Self { posed, contents, notes, embedded_name: name, bvh: Arc::default() })
+    }
+
+    /// Makes the context of a command: the bounds of this scene, the contents of the scene that the command loads, and
+    /// the result of its drag.
+    pub fn context<'a>(&self, loaded: Option<&'a SceneContents>, solved: Option<&'a SolvedDrag>) -> CommandContext<'a> {
+        CommandContext { scene_bounds: self.posed.bounds(), loaded, solved }
     }
 
     /// Returns the BVH for rays. It is built on first use in the background, once for all clones of the scene, even if
@@ -181,9 +185,7 @@ impl DecodedScene {
 fn performance_notes(posed: &PosedScene) -> impl Iterator<Item = String> + use<> {
     let (count, depth) = (posed.primitives.len(), posed.depth_complexity());
     let primitives = (count > MANY_PRIMITIVES).then(|| {
-        format!(
-            "the scene has {count} primitives, so its pictures take long: join those that share a material"
-        )
+        format!("the scene has {count} primitives, so its pictures take long: join those that share a material")
     });
     let depth = (depth > MANY_OVERLAPPING_TRIANGLES).then(|| {
         let sheets = depth.round();
@@ -201,8 +203,7 @@ fn read_all(mut file: File) -> io::Result<Vec<u8>> {
 
 /// Reads and decodes a stored scene. Blocks.
 fn decode(store: &Store, asset: &AssetHash) -> Result<DecodedScene, ServerError> {
-    let unknown = || edit::EditRefusal::Edit(document::EditError::UnknownAsset(*asset));
-    let bytes = store.assets.bytes(asset).map_err(ServerError::StoreRead)?.ok_or_else(unknown)?;
+    let bytes = store.assets.bytes(asset).map_err(ServerError::StoreRead)?.ok_or(EditError::UnknownAsset(*asset))?;
     DecodedScene::of(&bytes)
 }
 
@@ -211,14 +212,14 @@ mod tests {
     use super::*;
 
     #[tokio::test]
-    async fn rays_are_prepared_once_for_all_who_have_the_scene() {
-        let decoded = DecodedScene::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
+    async fn the_bvh_is_built_once_for_all_clones_of_a_scene() {
+        let decode = || DecodedScene::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
+        let decoded = decode();
         let other = decoded.clone();
         let (one, two) = tokio::join!(decoded.bvh(), other.bvh());
         let (one, two) = (one.expect("built"), two.expect("built"));
         assert!(Arc::ptr_eq(&one, &two) && Arc::ptr_eq(&one.posed, &decoded.posed));
         // Deliberate fault that the check must detect: the same scene decoded again has its own BVH.
-        let again = DecodedScene::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
-        assert!(!Arc::ptr_eq(&one, &again.bvh().await.expect("built")));
+        assert!(!Arc::ptr_eq(&one, &decode().bvh().await.expect("built")));
     }
 }

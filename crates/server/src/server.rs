@@ -15,9 +15,8 @@ use tokio::sync::Semaphore;
 use tokio::time::timeout;
 use tokio_util::task::TaskTracker;
 
-use crate::access::{Hosts, PublicUrl, Token, random_digits};
+use crate::access::{Hosts, PublicUrl, TOKEN_FILE, Token, random_digits};
 use crate::anonymous::AnonymousPermits;
-use crate::backend::Services;
 use crate::connections::{self, ShutdownSignals};
 use crate::first_session::StartSession;
 use crate::in_flight::ByteBudget;
@@ -31,6 +30,7 @@ use crate::permits::SessionPermits;
 use crate::renderer::{RenderQueue, RenderThread};
 use crate::room::Rooms;
 use crate::scenes::SceneCache;
+use crate::services::Services;
 use crate::solver::Solver;
 use crate::state::AppState;
 use crate::storage::Storage;
@@ -39,7 +39,7 @@ use crate::views::MovingPixels;
 use crate::{ServerError, data_folder, first_session, http};
 
 /// Configuration of a server.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ServerConfig {
     /// Data folder, made if it is missing.
     pub data: PathBuf,
@@ -60,50 +60,32 @@ pub struct ServerConfig {
 
 /// A server that is ready to listen.
 pub struct Server {
-    store: Store,
+    config: ServerConfig,
     renders: RenderQueue,
     render_thread: RenderThread,
     in_flight: ByteBudget,
     metrics: Arc<Metrics>,
     trace: Trace,
     trace_thread: Option<TraceThread>,
-    token: Token,
-    session: StartSession,
-    data: PathBuf,
-    public_urls: Vec<PublicUrl>,
-    /// Locks the folder against a second server.
-    _lock: File,
+    /// Dropped last, since it has the lock of the folder.
+    opened: OpenedDataFolder,
 }
 
 impl Server {
     /// Locks the data folder, makes the first session if it is missing, and opens the graphics device. Blocks.
     pub fn open(config: &ServerConfig) -> Result<Self, ServerError> {
         let (trace, trace_thread) = config.trace.as_deref().map(Trace::start).transpose()?.unzip();
-        let trace = trace.unwrap_or_default();
-        let OpenedDataFolder { store, token, session, lock } = OpenedDataFolder::open(config)?;
+        let (config, trace) = (config.clone(), trace.unwrap_or_default());
+        let opened = OpenedDataFolder::open(&config)?;
         let in_flight = ByteBudget::default();
         let metrics = Arc::new(Metrics::new(MemoryBudget::new(MAX_RENDER_BYTES), in_flight.clone()));
         let (renders, render_thread) = RenderQueue::start(Arc::clone(&metrics), config.backend)?;
-        let (data, public_urls) = (config.data.clone(), config.public_urls.clone());
-        Ok(Self {
-            store,
-            renders,
-            render_thread,
-            in_flight,
-            metrics,
-            trace,
-            trace_thread,
-            token,
-            session,
-            data,
-            public_urls,
-            _lock: lock,
-        })
+        Ok(Self { config, renders, render_thread, in_flight, metrics, trace, trace_thread, opened })
     }
 
     /// Returns the secret that clients need.
     pub fn token(&self) -> &Token {
-        &self.token
+        &self.opened.token
     }
 
     /// Waits until every pipeline has drawn or one has failed. Resolves to true if all have drawn.
@@ -113,7 +95,7 @@ impl Server {
 
     /// Returns the session that the start opens.
     pub fn session(&self) -> &StartSession {
-        &self.session
+        &self.opened.session
     }
 
     /// Serves until `shutdown`, then finishes accepted work within 10 seconds. Sockets run on the current runtime, and
@@ -125,19 +107,16 @@ impl Server {
         shutdown: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServerError> {
         // In every case the render thread has ended when this returns, and the trace has all its pictures.
-        let Self { store, renders, in_flight, metrics, trace, token, data, public_urls, _lock, .. } = self;
+        let Self { config, opened, renders, in_flight, metrics, trace, .. } = self;
+        let OpenedDataFolder { store, token, _lock, .. } = opened;
         let (_trace_thread, _render_thread) = (self.trace_thread, self.render_thread);
         let address = listener.local_addr().map_err(ServerError::Listen)?;
-        let storage = Storage::start(&data, store, Arc::clone(&metrics));
+        let storage = Storage::start(&config.data, store, Arc::clone(&metrics));
         let cores = available_parallelism().map_or(1, NonZero::get);
         let moving_pixels = Arc::<MovingPixels>::default();
         let ending = ShutdownSignals::default();
-        let backend = Services {
-            scenes: Arc::new(SceneCache::new(
-                storage.clone(),
-                Arc::clone(&metrics),
-                Arc::clone(&moving_pixels),
-            )),
+        let services = Services {
+            scenes: Arc::new(SceneCache::new(storage.clone(), Arc::clone(&metrics), Arc::clone(&moving_pixels))),
             storage,
             renders,
             moving_pixels: Arc::clone(&moving_pixels),
@@ -154,17 +133,17 @@ impl Server {
             sockets: TaskTracker::new(),
         };
         let state = Arc::new(AppState {
-            rooms: Rooms::start(backend.clone()),
-            backend: backend.clone(),
+            rooms: Rooms::start(services.clone()),
+            services: services.clone(),
             token,
             socket_runtime: Handle::current(),
-            hosts: Hosts::new(address, &public_urls),
+            hosts: Hosts::new(address, &config.public_urls),
             sockets: Arc::new(Semaphore::new(MAX_SOCKETS)),
             requests: SessionPermits::new("requests", MAX_REQUESTS),
             stills: SessionPermits::new("pictures", MAX_STILLS),
             uploads: Semaphore::new(MAX_UPLOADS),
-            anonymous_short_permits: AnonymousPermits::default(),
-            anonymous_permits: AnonymousPermits::default(),
+            anonymous_short_permits: AnonymousPermits::new(),
+            anonymous_permits: AnonymousPermits::new(),
         });
         let router = http::router(Arc::clone(&state));
         let serving = tokio::spawn(connections::serve(listener, requests, router, ending.clone()));
@@ -173,8 +152,8 @@ impl Server {
         ending.draining.cancel();
         let drain = async {
             state.rooms.drain().await;
-            backend.sockets.close();
-            backend.sockets.wait().await;
+            services.sockets.close();
+            services.sockets.wait().await;
             ending.sockets_ended.cancel();
             serving.await
         };
@@ -191,7 +170,8 @@ struct OpenedDataFolder {
     store: Store,
     token: Token,
     session: StartSession,
-    lock: File,
+    /// Locks the folder against a second server.
+    _lock: File,
 }
 
 impl OpenedDataFolder {
@@ -203,11 +183,8 @@ impl OpenedDataFolder {
         let mut store = Store::create(folder)?;
         store.assets.remove_leftovers()?;
         let session = first_session::ensure(&mut store, &config.session, config.scene.as_deref())?;
-        let token = config
-            .token_file
-            .as_ref()
-            .map_or_else(|| Token::in_folder(folder), |file| Token::from_file(file))?;
-        Ok(Self { store, token, session, lock })
+        let token = Token::from_file(&config.token_file.clone().unwrap_or_else(|| folder.join(TOKEN_FILE)))?;
+        Ok(Self { store, token, session, _lock: lock })
     }
 }
 
@@ -226,16 +203,23 @@ mod tests {
     const CHILD: &str = "server::tests::child_that_starts";
     const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
 
-    fn config(data: &Path) -> ServerConfig {
-        let (data, session, public_urls) = (data.into(), "main".into(), Vec::new());
-        ServerConfig { data, session, scene: None, token_file: None, public_urls, trace: None, backend: None }
+    fn start(data: &Path, scene: Option<&str>) -> Result<OpenedDataFolder, ServerError> {
+        let (data, session, scene) = (data.into(), "main".into(), scene.map(str::to_owned));
+        OpenedDataFolder::open(&ServerConfig { data, session, scene, ..ServerConfig::default() })
+    }
+
+    /// Writes a scene's file whose bytes differ from those of other marks, and returns them.
+    fn write_scene(file: &Path, mark: usize) -> String {
+        let text = format!(r#"{{"asset": {{"version": "2.0", "generator": "{mark}"}}}}"#);
+        std::fs::write(file, &text).expect("a scene's file");
+        text
     }
 
     #[test]
     #[ignore = "the child of the test below, which starts it"]
     fn child_that_starts() {
         let folder = env::var(FOLDER).expect("started by a test");
-        drop(OpenedDataFolder::open(&config(Path::new(&folder))).expect("a start"));
+        drop(start(Path::new(&folder), None).expect("a start"));
     }
 
     /// True if a start ended before call `number` of `call`, at which it would have been killed.
@@ -250,7 +234,7 @@ mod tests {
     }
 
     fn is_whole(data: &Path) -> bool {
-        let Ok(opened) = OpenedDataFolder::open(&config(data)) else { return false };
+        let Ok(opened) = start(data, None) else { return false };
         let row = opened.store.session("main").expect("a session");
         let document = opened.store.replay("main", None).expect("a log").document().clone();
         row.seq == 1 && !document.lights().is_empty() && opened.token.digits().len() == 32
@@ -294,11 +278,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         for (file, name) in [("room.gltf", "room.gltf"), (" ro\nom.gltf ", "room.gltf"), ("\u{1}", "scene")] {
             let scene = folder.path().join(file);
-            let bytes = format!(r#"{{"asset": {{"version": "2.0", "generator": "{}"}}}}"#, file.len());
-            std::fs::write(&scene, &bytes).expect("a scene's file");
+            let bytes = write_scene(&scene, file.len());
             let data = tempfile::tempdir().expect("a folder");
-            let config = ServerConfig { scene: Some(scene.display().to_string()), ..config(data.path()) };
-            let store = OpenedDataFolder::open(&config).expect("a start").store;
+            let store = start(data.path(), scene.to_str()).expect("a start").store;
             let asset = AssetHash::of(bytes.as_bytes());
             assert_eq!(store.assets.name_of(&asset).expect("no error").as_deref(), Some(name), "{file:?}");
         }
@@ -309,35 +291,26 @@ mod tests {
     fn a_scene_that_the_first_session_does_not_hold_gets_its_own() {
         let (folder, data) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
         let file = folder.path().join("my room.gltf");
-        let write = |version: u32| {
-            let text = format!(r#"{{"asset": {{"version": "2.0", "generator": "{version}"}}}}"#);
-            std::fs::write(&file, text).expect("a scene's file");
-        };
-        let start = |scene: Option<&str>| {
-            let config = ServerConfig { scene: scene.map(str::to_owned), ..config(data.path()) };
-            OpenedDataFolder::open(&config).expect("a start").session
-        };
+        let start = |scene: Option<&str>| start(data.path(), scene).expect("a start").session;
         let scene = file.display().to_string();
-        let of = |name: &str, kept: Option<&str>| StartSession {
-            name: name.into(),
-            scene_already_there: kept.map(str::to_owned),
+        let of = |name: &str, own_scene: Option<&str>| {
+            let scene_already_there = own_scene.map(str::to_owned);
+            StartSession { name: name.into(), scene_already_there }
         };
-        write(1);
+        write_scene(&file, 1);
         assert_eq!(start(None), of("main", None));
         assert_eq!(start(Some("demo:vases")), of("main", None), "it holds that");
         assert_eq!(start(Some(&scene)), of("my-room", Some("demo:vases")));
         assert_eq!(start(Some(&scene)), of("my-room", Some("demo:vases")), "found again");
-        write(2);
+        write_scene(&file, 2);
         assert_eq!(start(Some(&scene)), of("my-room-2", Some("demo:vases")), "another file under that name");
         assert_eq!(start(None), of("main", None));
         let store = Store::open(data.path()).expect("a store");
-        let names: Vec<_> =
-            store.sessions().expect("a list").into_iter().map(|row| (row.name, row.seq)).collect();
+        let names: Vec<_> = store.sessions().expect("a list").into_iter().map(|row| (row.name, row.seq)).collect();
         assert_eq!(names, ["main", "my-room", "my-room-2"].map(|name| (name.to_owned(), 1)));
         drop(store);
         // A session that cannot be read does not count as the scene's, and does not prevent a start.
-        let database =
-            rusqlite::Connection::open(data.path().join("bendylights.sqlite")).expect("a database");
+        let database = rusqlite::Connection::open(data.path().join("bendylights.sqlite")).expect("a database");
         let fault = "DROP TRIGGER record_stays; UPDATE record SET json = 'damaged'";
         database.execute_batch(fault).expect("a planted fault");
         assert_eq!(start(Some(&scene)), of("my-room-3", Some("what it has")));
@@ -347,10 +320,7 @@ mod tests {
     #[test]
     fn a_first_session_that_was_deleted_stays_so_but_for_a_scene() {
         let data = tempfile::tempdir().expect("a folder");
-        let start = |scene: Option<&str>| {
-            let config = ServerConfig { scene: scene.map(str::to_owned), ..config(data.path()) };
-            OpenedDataFolder::open(&config).expect("a start").store
-        };
+        let start = |scene: Option<&str>| start(data.path(), scene).expect("a start").store;
         let names = |store: &Store| -> Vec<String> {
             store.sessions().expect("a list").into_iter().map(|row| row.name).collect()
         };

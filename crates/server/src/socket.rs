@@ -18,18 +18,19 @@ use crate::ServerError;
 use crate::access::Principal;
 use crate::charges::Payer;
 use crate::connections::Connection;
+use crate::error::check_size;
 use crate::in_flight::delivery_timeout;
 use crate::limits::{
-    CLIENT_SILENCE_TIMEOUT, CLOSE_TIMEOUT, FRAGMENT_BYTES, HELLO_TIMEOUT, MAX_ANONYMOUS_CONNECTIONS,
-    MAX_MESSAGE_BYTES, MAX_QUEUED_MESSAGES, MAX_SOCKETS, PING_EVERY,
+    CLIENT_SILENCE_TIMEOUT, CLOSE_TIMEOUT, FRAGMENT_BYTES, HELLO_TIMEOUT, MAX_ANONYMOUS_CONNECTIONS, MAX_MESSAGE_BYTES,
+    MAX_QUEUED_MESSAGES, MAX_SOCKETS, PING_EVERY,
 };
 use crate::outbox::{Backlog, Outbox, OutboxReceiver, SocketMessage, outbox};
 use crate::outboxes::ClientId;
 use crate::pacing::SocketPacing;
 use crate::request::{ClientRequest, actor, client_request};
 use crate::room::{JoinRequest, RoomHandle, RoomMessage};
-use crate::send_within::WriteTimeoutStream;
 use crate::state::AppState;
+use crate::write_timeout::WriteTimeoutStream;
 
 /// A connection that has become a WebSocket.
 pub type Socket = WebSocketStream<WriteTimeoutStream>;
@@ -40,15 +41,14 @@ const TOO_SLOW: &str = "what was sent to this connection was not taken in time: 
 /// Serves a connection until either side closes it.
 pub async fn serve(socket: Socket, state: Arc<AppState>, connection: Connection) {
     let (sink, mut messages) = socket.split();
-    let (outbox, end) = outbox(state.backend.in_flight.clone());
+    let (outbox, end) = outbox(state.services.in_flight.clone());
     let backlog = end.backlog();
     let mut writing = tokio::spawn(write(sink, end));
-    if let Some((room, (client, payer), _permit)) =
+    if let Some(JoinedClient { room, client, pacing, _permit }) =
         handshake(&mut messages, outbox, &state, &connection).await
     {
-        let pacing = SocketPacing::new(payer, &state.backend.edit_pacing);
         tokio::select! {
-            () = read(&mut messages, backlog, pacing, (&room, client), &state) => {}
+            () = read(&mut messages, backlog, pacing, &room, client, &state) => {}
             // The room removed the client, or the connection is broken.
             _ = &mut writing => {}
         }
@@ -63,13 +63,21 @@ pub async fn serve(socket: Socket, state: Arc<AppState>, connection: Connection)
     let _ = timeout(CLOSE_TIMEOUT, async { while let Some(Ok(_)) = messages.next().await {} }).await;
 }
 
+/// A client that has joined its session.
+struct JoinedClient {
+    room: RoomHandle,
+    client: ClientId,
+    pacing: SocketPacing,
+    _permit: OwnedSemaphorePermit,
+}
+
 /// Waits for `hello` and joins its session. Sends the error if that fails.
 async fn handshake(
     messages: &mut SplitStream<Socket>,
     mut outbox: Outbox,
     state: &AppState,
     connection: &Connection,
-) -> Option<(RoomHandle, (ClientId, Payer), OwnedSemaphorePermit)> {
+) -> Option<JoinedClient> {
     let hello = tokio::select! {
         hello = hello(messages, &mut outbox) => hello?,
         () = sleep(HELLO_TIMEOUT) => Err(ServerError::HelloTooLate),
@@ -77,14 +85,15 @@ async fn handshake(
             Err(ServerError::TooMany { what: "connections without the token", limit: MAX_ANONYMOUS_CONNECTIONS })
         }
     };
-    match join(hello, state, connection).await {
-        Ok((room, (session, permit), (principal, epoch, last_seq))) => {
-            let payer = Payer::new(&session, &principal.actor.id);
+    match admit(hello, state, connection).await {
+        Ok(AdmittedClient { room, session, principal, epoch, last_seq, permit }) => {
+            let payer = Payer::new(&session.into(), &principal.actor.id);
             let (joined, client) = oneshot::channel();
             let join = JoinRequest { principal, epoch, last_seq, outbox, joined };
             room.send(RoomMessage::Join(Box::new(join))).await.ok()?;
             let client = client.await.ok()?;
-            Some((room, (client, payer), permit))
+            let pacing = SocketPacing::new(payer, &state.services.edit_pacing);
+            Some(JoinedClient { room, client, pacing, _permit: permit })
         }
         Err(error) => {
             outbox.send_error(&error, true);
@@ -93,15 +102,9 @@ async fn handshake(
     }
 }
 
-/// Joining client, and the epoch and record that it says it has.
-type HelloClaims = (Principal, Option<String>, Option<u64>);
-
 /// Waits for the first message. Returns `None` if the connection ends before. Answers unreadable messages with an error
 /// and skips them.
-async fn hello(
-    messages: &mut SplitStream<Socket>,
-    outbox: &mut Outbox,
-) -> Option<Result<ClientMessage, ServerError>> {
+async fn hello(messages: &mut SplitStream<Socket>, outbox: &mut Outbox) -> Option<Result<ClientMessage, ServerError>> {
     loop {
         match next(messages).await? {
             Ok(message @ ClientMessage::Hello { .. }) => return Some(Ok(message)),
@@ -111,29 +114,36 @@ async fn hello(
     }
 }
 
-/// Finds the session of a `hello`. Returns it with its name, a permit for the socket, and the claims of the client.
-async fn join(
+/// A client whose `hello` was checked, and the room of its session.
+struct AdmittedClient {
+    room: RoomHandle,
+    session: String,
+    principal: Principal,
+    /// History that the client says it has, and its latest record.
+    epoch: Option<String>,
+    last_seq: Option<u64>,
+    permit: OwnedSemaphorePermit,
+}
+
+/// Checks a `hello`, takes a permit for the socket, and finds the room of the session.
+async fn admit(
     hello: Result<ClientMessage, ServerError>,
     state: &AppState,
     connection: &Connection,
-) -> Result<(RoomHandle, (Arc<str>, OwnedSemaphorePermit), HelloClaims), ServerError> {
-    let (session, newcomer) = admit(hello?, state)?;
-    connection.mark_authenticated();
-    let too_many = |_| ServerError::TooMany { what: "sockets", limit: MAX_SOCKETS };
-    let permit = Arc::clone(&state.sockets).try_acquire_owned().map_err(too_many)?;
-    Ok((state.rooms.find(&session).await?, (session.into(), permit), newcomer))
-}
-
-/// Checks a `hello` and returns its session.
-fn admit(hello: ClientMessage, state: &AppState) -> Result<(String, HelloClaims), ServerError> {
-    let ClientMessage::Hello { protocol, token, session, actor: wire, epoch, last_seq } = hello else {
+) -> Result<AdmittedClient, ServerError> {
+    let ClientMessage::Hello { protocol, token, session, actor: wire, epoch, last_seq } = hello? else {
         return Err(ServerError::Hello);
     };
     if protocol != PROTOCOL {
         return Err(ServerError::Protocol(protocol));
     }
     let credential = state.token.verify(&token).ok_or(ServerError::Unauthorized)?;
-    Ok((session, (Principal { credential, actor: actor(wire)? }, epoch, last_seq)))
+    let principal = Principal { credential, actor: actor(wire)? };
+    connection.mark_authenticated();
+    let too_many = |_| ServerError::TooMany { what: "sockets", limit: MAX_SOCKETS };
+    let permit = Arc::clone(&state.sockets).try_acquire_owned().map_err(too_many)?;
+    let room = state.rooms.find(&session).await?;
+    Ok(AdmittedClient { room, session, principal, epoch, last_seq, permit })
 }
 
 /// Passes requests of the client to the room, until it leaves or is silent for too long. While it does not take its
@@ -142,24 +152,26 @@ async fn read(
     messages: &mut SplitStream<Socket>,
     mut backlog: watch::Receiver<Backlog>,
     mut pacing: SocketPacing,
-    (room, client): (&RoomHandle, ClientId),
+    room: &RoomHandle,
+    client: ClientId,
     state: &AppState,
 ) {
-    let places = Arc::new(Semaphore::new(MAX_QUEUED_MESSAGES));
+    let permits = Arc::new(Semaphore::new(MAX_QUEUED_MESSAGES));
     while backlog.wait_for(Backlog::is_reading).await.is_ok()
         && let Some(message) = next(messages).await
     {
         pacing.wait().await;
         let request = match message {
-            Ok(message) => client_request(message, &state.backend.scenes).await,
-            Err(error) => ClientRequest::Invalid(error),
+            Ok(message) => client_request(message, &state.services.scenes).await,
+            Err(error) => Err(error),
         };
+        let request = request.unwrap_or_else(ClientRequest::Invalid);
         if matches!(request, ClientRequest::Step(_)) {
             pacing.wait_to_edit().await;
         }
         // Editing messages wait here for the client's earlier ones, so that no other client waits.
-        let place = if request.may_edit() { Arc::clone(&places).acquire_owned().await.ok() } else { None };
-        if room.send(RoomMessage::Client { client, request, queue_permit: place }).await.is_err() {
+        let queue_permit = if request.may_edit() { Arc::clone(&permits).acquire_owned().await.ok() } else { None };
+        if room.send(RoomMessage::Client { client, request, queue_permit }).await.is_err() {
             return;
         }
     }
@@ -172,14 +184,13 @@ async fn next(
     loop {
         let frame = timeout(CLIENT_SILENCE_TIMEOUT, messages.next()).await.ok()??;
         match frame.inspect_err(|error| tracing::debug!("a connection broke: {error}")).ok()? {
-            WireMessage::Text(text) if text.len() > MAX_MESSAGE_BYTES => {
-                let (what, limit) = ("a message", MAX_MESSAGE_BYTES);
-                return Some(Err(ServerError::TooLarge { what, limit, unit: "bytes" }));
+            WireMessage::Text(text) => {
+                let checked = check_size("a message", text.len(), MAX_MESSAGE_BYTES, "bytes");
+                return Some(checked.and_then(|()| Ok(protocol::parse_body(&text)?)));
             }
-            WireMessage::Text(text) => return Some(ClientMessage::parse(&text).map_err(ServerError::from)),
             WireMessage::Binary(_) => {
                 let sentence = "a binary message came, but clients send text: send JSON as text";
-                return Some(Err(ServerError::BadMessage(sentence.into())));
+                return Some(Err(ServerError::bad_message(sentence)));
             }
             WireMessage::Ping(_) | WireMessage::Pong(_) | WireMessage::Frame(_) => {}
             WireMessage::Close(_) => return None,
@@ -231,10 +242,7 @@ impl From<Error> for SendError {
     }
 }
 
-async fn send_all(
-    sink: &mut SplitSink<Socket, WireMessage>,
-    messages: Vec<SocketMessage>,
-) -> Result<(), SendError> {
+async fn send_all(sink: &mut SplitSink<Socket, WireMessage>, messages: Vec<SocketMessage>) -> Result<(), SendError> {
     for message in messages {
         send(sink, message).await?;
     }

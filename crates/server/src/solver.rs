@@ -31,7 +31,7 @@ const MAX_REST: Duration = Duration::from_millis(60);
 /// Handle to the threads that solve drags. Clones share them.
 #[derive(Clone)]
 pub struct Solver {
-    turns: Arc<Mutex<SolveQueue>>,
+    queue: Arc<Mutex<SolveQueue>>,
     /// Actors whose views move, by whom long solves are slowed.
     moving: Arc<MovingPixels>,
     /// Number of solves that run or wait.
@@ -78,13 +78,15 @@ impl SolveQueue {
     fn next(&self) -> Option<usize> {
         let order = |a: &usize, b: &usize| {
             let (a, b) = (&self.waiting[*a], &self.waiting[*b]);
-            self.cmp_priority((a.is_long, &a.payer), (b.is_long, &b.payer)).then(a.number.cmp(&b.number))
+            self.cmp_priority(a.is_long, &a.payer, b).then(a.number.cmp(&b.number))
         };
         (0..self.waiting.len()).min_by(order)
     }
 
-    fn cmp_priority(&self, a: (bool, &Payer), b: (bool, &Payer)) -> Order {
-        a.0.cmp(&b.0).then_with(|| self.charges.of(a.1).order(&self.charges.of(b.1)))
+    /// Compares a solve with a waiting one. The lesser is next.
+    fn cmp_priority(&self, is_long: bool, payer: &Payer, other: &QueuedSolve) -> Order {
+        let by_charge = || self.charges.of(payer).order(&self.charges.of(&other.payer));
+        is_long.cmp(&other.is_long).then_with(by_charge)
     }
 
     /// Lets waiting solves run while there are slots.
@@ -101,9 +103,7 @@ impl SolveQueue {
 
 /// A solve on its own thread, running or waiting.
 pub struct SolveTurn {
-    turns: Arc<Mutex<SolveQueue>>,
-    moving: Arc<MovingPixels>,
-    under_way: Gauge,
+    solver: Solver,
     payer: Payer,
     number: u64,
     is_long: bool,
@@ -114,13 +114,13 @@ pub struct SolveTurn {
 
 /// Cancels a solve when its asker is dropped.
 struct CancelOnDrop {
-    is_given_up: Arc<AtomicBool>,
+    is_cancelled: Arc<AtomicBool>,
     thread: Thread,
 }
 
 impl Drop for CancelOnDrop {
     fn drop(&mut self) {
-        self.is_given_up.store(true, Ordering::Release);
+        self.is_cancelled.store(true, Ordering::Release);
         self.thread.unpark();
     }
 }
@@ -131,16 +131,9 @@ impl Solver {
     pub fn new(most: usize, under_way: Gauge, moving: Arc<MovingPixels>) -> Self {
         let (charges, waiting) = (Charges::default(), Vec::new());
         let allowances = Allowances::new(SHORT_SOLVE_RATE);
-        let turns = SolveQueue {
-            charges,
-            allowances,
-            waiting,
-            running: [0; 2],
-            max_running: most,
-            total: 0,
-            next_number: 0,
-        };
-        Self { turns: Arc::new(Mutex::new(turns)), moving, under_way }
+        let queue =
+            SolveQueue { charges, allowances, waiting, running: [0; 2], max_running: most, total: 0, next_number: 0 };
+        Self { queue: Arc::new(Mutex::new(queue)), moving, under_way }
     }
 
     /// Runs `solve` on its own thread once the queue admits it, and returns its result. Dropping the future cancels the
@@ -151,7 +144,7 @@ impl Solver {
         solve: impl FnOnce(&mut SolveTurn) -> T + Send + 'static,
     ) -> Result<T, ServerError> {
         let mut turn = self.turn(payer)?;
-        let is_given_up = Arc::clone(&turn.is_cancelled);
+        let is_cancelled = Arc::clone(&turn.is_cancelled);
         let (done, answer) = oneshot::channel();
         let run = move || {
             if turn.is_long {
@@ -168,26 +161,28 @@ impl Solver {
             tracing::error!("no thread could be started to solve a drag: {error}");
             ServerError::Internal
         })?;
-        let _asker = CancelOnDrop { is_given_up, thread: thread.thread().clone() };
+        let _asker = CancelOnDrop { is_cancelled, thread: thread.thread().clone() };
         answer.await.map_err(|_| ServerError::Internal)
+    }
+
+    fn queue(&self) -> MutexGuard<'_, SolveQueue> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Adds a solve to the count of those under way. Gives an error if there are too many. The solve does not run until
     /// `SolveTurn::wait` returns true.
     fn turn(&self, payer: Payer) -> Result<SolveTurn, ServerError> {
-        let mut turns = lock(&self.turns);
-        if turns.total >= MAX_SOLVES {
+        let mut queue = self.queue();
+        if queue.total >= MAX_SOLVES {
             return Err(ServerError::TooMany { what: "drags that are solved", limit: MAX_SOLVES });
         }
-        turns.total += 1;
-        turns.next_number += 1;
+        queue.total += 1;
+        queue.next_number += 1;
         self.under_way.inc();
         Ok(SolveTurn {
-            turns: Arc::clone(&self.turns),
-            moving: Arc::clone(&self.moving),
-            under_way: self.under_way.clone(),
-            number: turns.next_number,
-            is_long: !turns.allowances.has_tokens(&payer, Instant::now()),
+            solver: self.clone(),
+            number: queue.next_number,
+            is_long: !queue.allowances.has_tokens(&payer, Instant::now()),
             payer,
             since: None,
             is_cancelled: Arc::default(),
@@ -203,27 +198,26 @@ impl SolveTurn {
             return false;
         }
         let worked = self.charge();
-        if !self.is_long && (steps >= SHORT_SOLVE_STEPS || !self.has_short_allowance()) {
+        let has_allowance = || self.solver.queue().allowances.has_tokens(&self.payer, Instant::now());
+        if !self.is_long && (steps >= SHORT_SOLVE_STEPS || !has_allowance()) {
             self.is_long = true;
-            let mut turns = lock(&self.turns);
-            let [short, long] = turns.running;
-            turns.running = [short - 1, long + 1];
-            turns.admit_waiting();
-            drop(turns);
+            let mut queue = self.solver.queue();
+            let [short, long] = queue.running;
+            queue.running = [short - 1, long + 1];
+            queue.admit_waiting();
+            drop(queue);
             background::set_idle_priority();
         }
-        if self.is_long && self.moving.is_another_interacting(self.payer.actor_id(), Instant::now()) {
+        if self.is_long && self.solver.moving.is_another_interacting(self.payer.actor_id(), Instant::now()) {
             // Even a thread of idle priority uses caches, memory and half of a core shared by two threads.
             thread::park_timeout((worked * LONG_SOLVE_REST_FACTOR).min(MAX_REST));
             self.since = Some(Instant::now());
         }
-        let turns = lock(&self.turns);
-        let gives_way = turns.next().is_some_and(|next| {
-            let next = &turns.waiting[next];
-            turns.cmp_priority((next.is_long, &next.payer), (self.is_long, &self.payer)).is_lt()
-        });
-        drop(turns);
-        !gives_way || {
+        let queue = self.solver.queue();
+        let has_priority = |next: usize| queue.cmp_priority(self.is_long, &self.payer, &queue.waiting[next]).is_gt();
+        let yields = queue.next().is_some_and(has_priority);
+        drop(queue);
+        !yields || {
             self.release_slot();
             self.wait()
         }
@@ -231,30 +225,25 @@ impl SolveTurn {
 
     /// Waits for a slot. Returns `false` if the solve is cancelled.
     fn wait(&mut self) -> bool {
-        let mut turns = lock(&self.turns);
-        turns.waiting.push(QueuedSolve {
+        let mut queue = self.solver.queue();
+        queue.waiting.push(QueuedSolve {
             number: self.number,
             payer: self.payer.clone(),
             is_long: self.is_long,
             thread: thread::current(),
         });
-        turns.admit_waiting();
-        while let Some(index) = turns.waiting.iter().position(|waiting| waiting.number == self.number) {
+        queue.admit_waiting();
+        while let Some(index) = queue.waiting.iter().position(|waiting| waiting.number == self.number) {
             if self.is_cancelled.load(Ordering::Acquire) {
-                turns.waiting.remove(index);
+                queue.waiting.remove(index);
                 return false;
             }
-            drop(turns);
+            drop(queue);
             thread::park();
-            turns = lock(&self.turns);
+            queue = self.solver.queue();
         }
         self.since = Some(Instant::now());
         true
-    }
-
-    /// True if the client may still run short solves.
-    fn has_short_allowance(&self) -> bool {
-        lock(&self.turns).allowances.has_tokens(&self.payer, Instant::now())
     }
 
     /// Charges the time since the last charge and returns it.
@@ -262,10 +251,10 @@ impl SolveTurn {
         let now = Instant::now();
         let Some(since) = self.since.replace(now) else { return Duration::ZERO };
         let worked = now.saturating_duration_since(since);
-        let mut turns = lock(&self.turns);
-        turns.charges.charge(&self.payer, worked.as_secs_f64());
+        let mut queue = self.solver.queue();
+        queue.charges.charge(&self.payer, worked.as_secs_f64());
         if !self.is_long {
-            turns.allowances.take(&self.payer, worked.as_secs_f64(), now);
+            queue.allowances.take(&self.payer, worked.as_secs_f64(), now);
         }
         worked
     }
@@ -273,9 +262,9 @@ impl SolveTurn {
     /// Frees the solve's slot for another solve.
     fn release_slot(&mut self) {
         if self.since.take().is_some() {
-            let mut turns = lock(&self.turns);
-            turns.running[usize::from(self.is_long)] -= 1;
-            turns.admit_waiting();
+            let mut queue = self.solver.queue();
+            queue.running[usize::from(self.is_long)] -= 1;
+            queue.admit_waiting();
         }
     }
 }
@@ -286,13 +275,9 @@ impl Drop for SolveTurn {
             self.charge();
         }
         self.release_slot();
-        lock(&self.turns).total -= 1;
-        self.under_way.dec();
+        self.solver.queue().total -= 1;
+        self.solver.under_way.dec();
     }
-}
-
-fn lock(turns: &Mutex<SolveQueue>) -> MutexGuard<'_, SolveQueue> {
-    turns.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
@@ -306,8 +291,8 @@ mod tests {
     }
 
     /// Runs solves with the given numbers of checks, each after a millisecond, and returns the order in which they end.
-    /// With `gives_way` set to false they never yield, which is a deliberate fault.
-    async fn ends(solves: &[(&'static str, u64)], gives_way: bool) -> Vec<&'static str> {
+    /// With `yields` set to false they never yield, which is a deliberate fault.
+    async fn ends(solves: &[(&'static str, u64)], yields: bool) -> Vec<&'static str> {
         let solver = Solver::new(1, Gauge::default(), Arc::default());
         let ended = Arc::new(Mutex::new(Vec::new()));
         let mut tasks = Vec::new();
@@ -317,7 +302,7 @@ mod tests {
                 let solve = move |turn: &mut SolveTurn| {
                     for question in 1..=questions {
                         thread::sleep(Duration::from_millis(1));
-                        assert!(!gives_way || turn.may_continue(question * SHORT_SOLVE_STEPS / 4));
+                        assert!(!yields || turn.may_continue(question * SHORT_SOLVE_STEPS / 4));
                     }
                     ended.lock().unwrap().push(session);
                 };
@@ -336,7 +321,7 @@ mod tests {
     /// A client with a little work does not wait for the large work of another. If two have much work, the later one
     /// ends first if it has half as much.
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-    async fn who_has_been_charged_less_goes_first() {
+    async fn the_less_charged_client_is_next() {
         let greedy = ("greedy", 200);
         assert_eq!(ends(&[greedy, ("short", 3)], true).await, ["short", "greedy"]);
         assert_eq!(ends(&[greedy, ("half", 80)], true).await, ["half", "greedy"]);
@@ -354,7 +339,7 @@ mod tests {
         let solve = move |turn: &mut SolveTurn| {
             let began = Instant::now();
             for _ in 0..50 {
-                moving.record_picture(&actor_id, (ViewSlot(1), true), [640, 360], Instant::now());
+                moving.record_picture(&actor_id, ViewSlot(1), true, [640, 360], Instant::now());
                 thread::sleep(Duration::from_millis(2));
                 assert!(turn.may_continue(SHORT_SOLVE_STEPS));
             }
@@ -376,7 +361,7 @@ mod tests {
     }
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-    async fn what_is_given_up_ends_also_while_it_waits() {
+    async fn a_cancelled_solve_ends_also_while_it_waits() {
         let solver = Solver::new(1, Gauge::default(), Arc::default());
         let endless = |turn: &mut SolveTurn| while turn.may_continue(SHORT_SOLVE_STEPS) {};
         let start = || {
@@ -391,12 +376,12 @@ mod tests {
         while solver.under_way.get() > 0 {
             tokio::time::sleep(Duration::from_millis(1)).await;
         }
-        let turns = lock(&solver.turns);
-        assert_eq!((turns.total, turns.running, turns.waiting.len()), (0, [0, 0], 0));
+        let queue = solver.queue();
+        assert_eq!((queue.total, queue.running, queue.waiting.len()), (0, [0, 0], 0));
     }
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-    async fn a_solve_that_panics_leaves_its_place() {
+    async fn a_solve_that_panics_frees_its_slot() {
         let solver = Solver::new(1, Gauge::default(), Arc::default());
         let failed = solver.run(payer("ada"), |_| panic!("planted")).await;
         assert!(matches!(failed, Err::<(), _>(ServerError::Internal)));

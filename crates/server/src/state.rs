@@ -2,18 +2,22 @@
 
 use std::sync::Arc;
 
+use axum::extract::State;
 use tokio::runtime::Handle;
 use tokio::sync::Semaphore;
 
 use crate::access::{Hosts, Token};
 use crate::anonymous::AnonymousPermits;
-use crate::backend::Services;
 use crate::permits::SessionPermits;
 use crate::room::Rooms;
+use crate::services::Services;
+
+/// State of the server as the argument of a handler.
+pub type App = State<Arc<AppState>>;
 
 /// State of a server, shared by its requests.
 pub struct AppState {
-    pub backend: Services,
+    pub services: Services,
     pub rooms: Rooms,
     pub token: Token,
     /// Runtime of sockets. They carry users' interactions, while HTTP requests come from programs, which send as many

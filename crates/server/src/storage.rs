@@ -1,13 +1,12 @@
 //! Async access to the store: one thread commits, and the blocking pool reads.
 
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use document::{AssetHash, DocumentHash};
 use edit::Record;
-use protocol::SessionCheckpoint;
-use store::{CommitBatch, RecordTail, Rejection, SessionChange, SessionSummary, Store, StoreError};
+use store::{CommitBatch, RecordTail, Rejection, Store, StoreError};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::spawn_blocking;
 
@@ -57,77 +56,31 @@ impl Storage {
         rejections: Vec<Rejection>,
         hash: DocumentHash,
     ) -> Result<RecordTail, ServerError> {
-        let (done, answer) = oneshot::channel();
-        self.write(WriteJob::Commit(Commit { session, records, rejections, hash }, done)).await?;
-        receive_result(answer).await
-    }
-
-    /// Makes a session with that title and those records, completely or not at all. Returns its epoch.
-    pub async fn begin_session(
-        &self,
-        session: &str,
-        title: Option<String>,
-        records: Vec<Record>,
-        hash: DocumentHash,
-    ) -> Result<String, ServerError> {
-        let first = Commit { session: session.into(), records, rejections: Vec::new(), hash };
-        self.run_exclusive(move |store| store.begin_session(&first.batch(), title.as_deref())).await
-    }
-
-    /// Changes the title or the archived state of a session.
-    pub async fn change_session(
-        &self,
-        name: String,
-        change: SessionChange,
-    ) -> Result<SessionSummary, ServerError> {
-        self.run_exclusive(move |store| store.change_session(&name, &change)).await
-    }
-
-    /// Makes session `copy` of `name`, completely or not at all.
-    pub async fn duplicate_session(
-        &self,
-        name: String,
-        copy: String,
-        title: Option<String>,
-    ) -> Result<SessionSummary, ServerError> {
-        self.run_exclusive(move |store| store.duplicate_session(&name, &copy, title.as_deref())).await
-    }
-
-    /// Deletes an archived session, which must not be open.
-    pub async fn delete_session(&self, name: Arc<str>) -> Result<(), ServerError> {
-        self.run_exclusive(move |store| store.delete_session(&name)).await
-    }
-
-    /// Stores a session's checkpoint, replaces an earlier one, and returns its size in bytes.
-    pub async fn keep_checkpoint(
-        &self,
-        session: &Arc<str>,
-        checkpoint: SessionCheckpoint,
-    ) -> Result<u64, ServerError> {
-        let session = Arc::clone(session);
-        self.run_exclusive(move |store| store.keep_checkpoint(&session, &checkpoint)).await
+        let commit = Commit { session, records, rejections, hash };
+        self.write(|done| WriteJob::Commit(commit, done)).await
     }
 
     /// Runs `work` on the committing thread. Its writes are on disk when this returns.
-    async fn run_exclusive<T: Send + 'static>(
+    pub async fn run_exclusive<T: Send + 'static>(
         &self,
         work: impl FnOnce(&mut Store) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, ServerError> {
-        let (done, answer) = oneshot::channel();
         // The asker may be gone. The work stays done.
-        self.write(WriteJob::Exclusive(Box::new(move |store| drop(done.send(work(store)))))).await?;
-        receive_result(answer).await
+        self.write(|done| WriteJob::Exclusive(Box::new(move |store| drop(done.send(work(store)))))).await
     }
 
-    async fn write(&self, write: WriteJob) -> Result<(), ServerError> {
-        self.writes.send(write).await.map_err(|_| ServerError::Internal)
+    /// Hands a write to the committing thread and waits for its result.
+    async fn write<T>(
+        &self,
+        job: impl FnOnce(oneshot::Sender<Result<T, StoreError>>) -> WriteJob,
+    ) -> Result<T, ServerError> {
+        let (done, result) = oneshot::channel();
+        self.writes.send(job(done)).await.map_err(|_| ServerError::Internal)?;
+        result.await.map_err(|_| ServerError::Internal)?.map_err(ServerError::Store)
     }
 
     /// Stores an asset's bytes, which are on disk when this returns.
-    pub async fn put_asset(
-        &self,
-        bytes: impl AsRef<[u8]> + Send + 'static,
-    ) -> Result<AssetHash, ServerError> {
+    pub async fn put_asset(&self, bytes: impl AsRef<[u8]> + Send + 'static) -> Result<AssetHash, ServerError> {
         self.with_reader(move |store| store.assets.put(bytes.as_ref()).map_err(ServerError::Store)).await
     }
 
@@ -163,7 +116,7 @@ impl Storage {
         answer.await.map_err(|_| ServerError::Internal)?
     }
 
-    fn readers(&self) -> std::sync::MutexGuard<'_, Vec<Store>> {
+    fn readers(&self) -> MutexGuard<'_, Vec<Store>> {
         self.readers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -176,10 +129,6 @@ impl Storage {
     pub fn open(&self) -> Result<Store, StoreError> {
         Store::open(&self.folder)
     }
-}
-
-async fn receive_result<T>(answer: oneshot::Receiver<Result<T, StoreError>>) -> Result<T, ServerError> {
-    answer.await.map_err(|_| ServerError::Internal)?.map_err(ServerError::Store)
 }
 
 /// Carries out writes. Waiting commits become one transaction, so the disk is waited for once.
@@ -208,17 +157,14 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<WriteJob>, met
 /// Commits all batches in one transaction. If that fails, commits each in a transaction of its own, so that no session
 /// fails because of another.
 fn commit_all<T>(store: &mut Store, commits: &[(Commit, T)]) -> Vec<Result<RecordTail, StoreError>> {
-    let batches: Vec<CommitBatch> = commits.iter().map(|(commit, _)| commit.batch()).collect();
+    let batches = commits.iter().map(|(commit, _)| {
+        let Commit { session, records, rejections, hash } = commit;
+        CommitBatch { session, records, rejections, hash: *hash }
+    });
+    let batches: Vec<CommitBatch> = batches.collect();
     let together = if batches.len() > 1 { store.append(&batches).ok() } else { None };
     match together {
         Some(tails) => tails.into_iter().map(Ok).collect(),
         None => batches.into_iter().map(|batch| store.append(&[batch]).map(|tails| tails[0])).collect(),
-    }
-}
-
-impl Commit {
-    fn batch(&self) -> CommitBatch<'_> {
-        let Self { session, records, rejections, hash } = self;
-        CommitBatch { session, records, rejections, hash: *hash }
     }
 }

@@ -64,20 +64,25 @@ pub struct PictureTrace {
 
 impl PictureTrace {
     /// Queues the line, with the time that encoding took.
-    pub fn encoded(mut self, took: Duration) {
+    pub fn encoded(&mut self, took: Duration) {
         if let Some(line) = &mut self.line {
             line.encode_us = Some(micros(took));
+        }
+        self.queue();
+    }
+
+    fn queue(&mut self) {
+        if let (Some(lines), Some(line)) = (&self.trace.0, self.line.take())
+            && let Err(TrySendError::Full(_)) = lines.queue.try_send(Entry::Line(line))
+        {
+            lines.left_out.fetch_add(1, Ordering::Relaxed);
         }
     }
 }
 
 impl Drop for PictureTrace {
     fn drop(&mut self) {
-        if let (Some(lines), Some(line)) = (&self.trace.0, self.line.take())
-            && let Err(TrySendError::Full(_)) = lines.queue.try_send(Entry::Line(line))
-        {
-            lines.left_out.fetch_add(1, Ordering::Relaxed);
-        }
+        self.queue();
     }
 }
 
@@ -122,10 +127,7 @@ fn write_lines(mut file: File, path: &Path, entries: &Receiver<Entry>, left_out:
     }
     let missing = left_out.load(Ordering::Relaxed);
     if missing > 0 {
-        tracing::warn!(
-            "{}: the trace lacks its last {missing} pictures, as its disk is slow",
-            path.display()
-        );
+        tracing::warn!("{}: the trace lacks its last {missing} pictures, as its disk is slow", path.display());
     }
 }
 
@@ -168,9 +170,9 @@ mod tests {
             drop(trace.drawn(|| line(2.5)));
         }
         let written = lines(&std::fs::read_to_string(&path).unwrap());
-        let told: Vec<_> = written.iter().map(|line| (line.time, line.encode_us)).collect();
+        let encodings: Vec<_> = written.iter().map(|line| (line.time, line.encode_us)).collect();
         let of_one = [(0.5, Some(3_000)), (1.5, None)];
-        assert_eq!(told, [of_one, of_one].concat(), "a second start goes on at its end");
+        assert_eq!(encodings, [of_one, of_one].concat(), "a second start goes on at its end");
         assert!(matches!(Trace::start(folder.path()), Err(ServerError::Trace { .. })));
         drop(Trace::default().drawn(|| unreachable!("nobody wants to know")));
     }
@@ -180,7 +182,7 @@ mod tests {
     ///
     /// Rules: TRACE-1
     #[test]
-    fn what_finds_no_room_is_counted() {
+    fn a_line_without_room_is_counted() {
         let (queue, entries) = sync_channel(2);
         let left_out = Arc::new(AtomicU64::new(0));
         let trace = Trace(Some(Lines { queue, left_out: Arc::clone(&left_out) }));

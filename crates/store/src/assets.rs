@@ -131,9 +131,8 @@ impl Assets {
             Err(reason) if reason.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
             Err(reason) => return Err(StoreError::Io { path: self.folder.clone(), reason }),
         };
-        let is_leftover = |path: &Path| {
-            path.file_name().is_none_or(|name| name.to_string_lossy().starts_with(PARTIAL_PREFIX))
-        };
+        let is_leftover =
+            |path: &Path| path.file_name().is_none_or(|name| name.to_string_lossy().starts_with(PARTIAL_PREFIX));
         let whole = files.into_iter().filter(|(path, metadata)| metadata.is_file() && !is_leftover(path));
         Ok(whole.map(|(path, metadata)| (path, metadata.len())).collect())
     }

@@ -2,10 +2,10 @@
 
 use document::AssetHash;
 use edit::Session;
-use protocol::{LogReader, Record, SessionCheckpoint};
+use protocol::{LogReader, Record, SessionCheckpoint, parse_body};
 
 use crate::records::RecordTail;
-use crate::stored::{FoundSession, SessionKey, SessionRow, StoredCheckpoint};
+use crate::stored::{FoundSession, SessionRow, StoredCheckpoint};
 use crate::{Store, StoreError};
 
 /// Session that was read from the database, with the cost of reading it.
@@ -27,13 +27,13 @@ impl Store {
     /// proves, and replays the records after it, which are proven as in [`Store::replay`].
     pub fn open_session(&self, session: &str) -> Result<OpenedSession, StoreError> {
         let FoundSession { key, row } = self.database.find(session)?;
-        let checkpoint = self.checkpoint(key);
-        let checkpoint_failed = matches!(checkpoint, Ok(CheckpointState::Failed) | Err(_));
-        let (mut session, mut reader, checkpoint_bytes) = match checkpoint {
-            Ok(CheckpointState::Loaded { session, proof, bytes }) => {
-                (*session, LogReader::going_on_from(&proof), bytes)
-            }
-            _ => (Session::default(), row.reader(), 0),
+        let stored = self.database.checkpoint(key);
+        let has_checkpoint = !matches!(stored, Ok(None));
+        let loaded = stored.ok().flatten().and_then(LoadedCheckpoint::proven_by_log);
+        let checkpoint_failed = has_checkpoint && loaded.is_none();
+        let (mut session, mut reader, checkpoint_bytes) = match loaded {
+            Some(LoadedCheckpoint { session, proof, bytes }) => (session, LogReader::going_on_from(&proof), bytes),
+            None => (Session::default(), row.reader(), 0),
         };
         let tail = self.replay_following(key, &mut session, &mut reader, row.seq)?;
         Ok(OpenedSession { row, session, tail, checkpoint_bytes, checkpoint_failed })
@@ -41,11 +41,7 @@ impl Store {
 
     /// Stores a checkpoint of the session, replaces an earlier one, and returns its size in bytes. Its record must be
     /// in the log as the last one of a batch.
-    pub fn keep_checkpoint(
-        &mut self,
-        session: &str,
-        checkpoint: &SessionCheckpoint,
-    ) -> Result<u64, StoreError> {
+    pub fn keep_checkpoint(&mut self, session: &str, checkpoint: &SessionCheckpoint) -> Result<u64, StoreError> {
         let json = checkpoint.to_json();
         let digest = digest(&json);
         self.database.write(|writer| {
@@ -54,35 +50,28 @@ impl Store {
         })?;
         Ok(json.len() as u64)
     }
-
-    fn checkpoint(&self, key: SessionKey) -> Result<CheckpointState, StoreError> {
-        let Some(stored) = self.database.checkpoint(key)? else { return Ok(CheckpointState::None) };
-        let StoredCheckpoint { json, digest: expected, line, hash, proof } = stored;
-        if digest(&json) != expected {
-            return Ok(CheckpointState::Failed);
-        }
-        let Ok(checkpoint) = SessionCheckpoint::parse(&json) else { return Ok(CheckpointState::Failed) };
-        let Ok(session) = checkpoint.into_domain() else { return Ok(CheckpointState::Failed) };
-        let Ok(format) = Record::format_of(&line) else { return Ok(CheckpointState::Failed) };
-        match proof {
-            Some(proof) if hash == Some(session.document().hash_of_format(format).to_string()) => {
-                Ok(CheckpointState::Loaded { session: Box::new(session), proof, bytes: json.len() as u64 })
-            }
-            _ => Ok(CheckpointState::Failed),
-        }
-    }
 }
 
-enum CheckpointState {
-    None,
-    /// The checkpoint is damaged, or the log does not prove it.
-    Failed,
-    /// Session after the checkpoint's record, proof of the log up to that record, and size of the checkpoint.
-    Loaded {
-        session: Box<Session>,
-        proof: String,
-        bytes: u64,
-    },
+/// Checkpoint of a session.
+struct LoadedCheckpoint {
+    /// The session after the checkpoint's record.
+    session: Session,
+    /// Proof of the log up to that record.
+    proof: String,
+    /// Size of the checkpoint.
+    bytes: u64,
+}
+
+impl LoadedCheckpoint {
+    /// Loads a checkpoint. Returns `None` if it is damaged, or if the log does not prove it.
+    fn proven_by_log(stored: StoredCheckpoint) -> Option<Self> {
+        let StoredCheckpoint { json, digest: expected, line, hash, proof } = stored;
+        let checkpoint: SessionCheckpoint = parse_body(&json).ok().filter(|_| digest(&json) == expected)?;
+        let session = checkpoint.into_domain().ok()?;
+        let format = Record::format_of(&line).ok()?;
+        let is_proven = hash? == session.document().hash_of_format(format).to_string();
+        Some(Self { session, proof: proof.filter(|_| is_proven)?, bytes: json.len() as u64 })
+    }
 }
 
 fn digest(json: &str) -> String {

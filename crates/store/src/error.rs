@@ -31,9 +31,7 @@ pub enum StoreError {
     #[error("{}: cannot be used ({reason}); check that you may write there and that the disk is not full", path.display())]
     Io { path: PathBuf, reason: io::Error },
     /// SQLite failed.
-    #[error(
-        "the database of sessions cannot be used ({0}); check the disk, and that its folder may be written"
-    )]
+    #[error("the database of sessions cannot be used ({0}); check the disk, and that its folder may be written")]
     Database(String),
     /// A stored rejection has a code that this version does not know.
     #[error(
@@ -84,19 +82,14 @@ pub enum StoreError {
     #[error("there are {MAX_SESSIONS} sessions, the most a folder holds: use another folder")]
     TooManySessions,
     /// The log has no record of that number.
-    #[error("the log ends with record {last} and has no record {asked}: ask for an earlier one")]
-    NoRecord { asked: u64, last: u64 },
+    #[error("the log ends with record {last} and has no record {requested}: ask for an earlier one")]
+    NoRecord { requested: u64, last: u64 },
     /// A record does not follow the stored log.
-    #[error(
-        "record {0} does not follow the stored log: another program has written to it; open the session again"
-    )]
+    #[error("record {0} does not follow the stored log: another program has written to it; open the session again")]
     ConcurrentWrite(u64),
     #[error("a record has more than {MAX_RECORD_BYTES} bytes: divide the edit into smaller ones")]
     RecordTooLarge,
-    #[error(
-        "the log has more than {} records, the most a session holds: import a shorter one",
-        edit::MAX_RECORDS
-    )]
+    #[error("the log has more than {} records, the most a session holds: import a shorter one", edit::MAX_RECORDS)]
     TooManyRecords,
     #[error("an asset has more than {MAX_ASSET_BYTES} bytes: make the scene smaller")]
     AssetTooLarge,
@@ -175,9 +168,7 @@ impl StoreError {
             Self::NotArchived(_) => ErrorCode::NotArchived,
             Self::TooManySessions | Self::TooManyRecords => ErrorCode::TooMany,
             Self::RecordTooLarge | Self::AssetTooLarge => ErrorCode::TooLarge,
-            Self::Replay(ReplayError::Record { reason: EditError::UnknownAsset(_), .. }) => {
-                ErrorCode::UnknownAsset
-            }
+            Self::Replay(ReplayError::Record { reason: EditError::UnknownAsset(_), .. }) => ErrorCode::UnknownAsset,
             Self::Line { .. }
             | Self::NotUtf8 { .. }
             | Self::InvalidRecord { .. }

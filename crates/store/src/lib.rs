@@ -33,7 +33,6 @@ pub use limits::{MAX_ASSET_BYTES, MAX_NAME_CHARS, MAX_PAGE_BYTES, MAX_REJECTIONS
 pub use log_file::{ReplayedLog, check_log, replay_log, visit_log};
 pub use protocol::MAX_RECORD_BYTES;
 pub use records::{CommitBatch, RecordTail};
-pub use session_list::SessionChange;
 pub use sqlite::DATABASE_FILE;
 pub use store::{FILES, Store};
-pub use stored::{LastChange, Rejection, SessionRow, SessionSummary};
+pub use stored::{LastChange, Rejection, SessionChange, SessionRow, SessionSummary};

@@ -47,7 +47,7 @@ pub fn visit_log(
         Ok(())
     })?;
     match (to, session.seq()) {
-        (Some(asked), last) if asked > last => Err(StoreError::NoRecord { asked, last }),
+        (Some(requested), last) if requested > last => Err(StoreError::NoRecord { requested, last }),
         _ => Ok(ReplayedLog { session, first_difference: differs }),
     }
 }
@@ -58,8 +58,7 @@ impl Store {
         let FoundSession { key, row } = self.database.find(session)?;
         let mut put = |line: String| writeln!(out, "{line}").map_err(StoreError::Unwritable);
         put(row.header().to_json())?;
-        let checkpoint =
-            |seq, hash, proof| LogLine::Checkpoint(Checkpoint { seq, hash, proof: Some(proof) }).to_json();
+        let checkpoint = |seq, hash, proof| LogLine::Checkpoint(Checkpoint { seq, hash, proof: Some(proof) }).to_json();
         if row.seq == 0 {
             return put(checkpoint(0, row.hash, row.proof));
         }
@@ -173,9 +172,7 @@ fn replay_lines(
                 }
                 visit(ReplayedLine::Record(record, &session))?;
             }
-            LogLine::Checkpoint(Checkpoint { seq: found, .. })
-                if follows_checkpoint || found != session.seq() =>
-            {
+            LogLine::Checkpoint(Checkpoint { seq: found, .. }) if follows_checkpoint || found != session.seq() => {
                 return Err(StoreError::MisplacedCheckpoint { line: lines.number, found });
             }
             LogLine::Checkpoint(Checkpoint { seq, hash, proof }) => {

@@ -23,8 +23,7 @@ impl Store {
     /// Returns the outcome of record `seq` as its sender received it.
     fn committed_outcome(&self, session: &str, seq: u64) -> Result<Committed, StoreError> {
         let record = self.records(session, seq, 1)?.pop().ok_or(StoreError::ConcurrentWrite(seq))?;
-        let record =
-            edit::Record::try_from(record).map_err(|reason| StoreError::InvalidRecord { seq, reason })?;
+        let record = edit::Record::try_from(record).map_err(|reason| StoreError::InvalidRecord { seq, reason })?;
         Ok(Committed::from(&record))
     }
 }

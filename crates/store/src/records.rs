@@ -9,7 +9,7 @@ use protocol::{FORMAT, LogReader, ReadError, Record, compact, next_proof};
 use crate::limits::{MAX_HELD_BYTES, MAX_PAGE_BYTES};
 use crate::sessions::insert_session;
 use crate::sqlite::Writer;
-use crate::stored::{FoundSession, NewRecord, Rejection, SessionKey, StoredRecord};
+use crate::stored::{FoundSession, Rejection, SessionKey, StoredRecord};
 use crate::{MAX_RECORD_BYTES, Store, StoreError};
 
 /// Number and size of records: of those after a checkpoint, or of those by which a log has grown. They determine the
@@ -53,11 +53,7 @@ impl Store {
 
     /// Makes a session with the name `first.session`, that title and the first batch, completely or, on an error, not
     /// at all. Returns its epoch.
-    pub fn begin_session(
-        &mut self,
-        first: &CommitBatch<'_>,
-        title: Option<&str>,
-    ) -> Result<String, StoreError> {
+    pub fn begin_session(&mut self, first: &CommitBatch<'_>, title: Option<&str>) -> Result<String, StoreError> {
         self.database.write(|writer| {
             let (_, epoch) = insert_session(writer, first.session, title, FORMAT)?;
             insert_batch(writer, &writer.find(first.session)?, first)?;
@@ -73,13 +69,7 @@ impl Store {
 
     /// Returns complete records from `from` on, at most `limit` and at most `max_bytes` of JSON, except for a single
     /// larger record. Returns none past the end.
-    pub fn page(
-        &self,
-        session: &str,
-        from: u64,
-        limit: usize,
-        max_bytes: usize,
-    ) -> Result<Vec<Record>, StoreError> {
+    pub fn page(&self, session: &str, from: u64, limit: usize, max_bytes: usize) -> Result<Vec<Record>, StoreError> {
         let FoundSession { key, row } = self.database.find(session)?;
         let (mut reader, mut bytes, mut page) = (row.reader(), 0, Vec::new());
         if limit == 0 {
@@ -103,7 +93,7 @@ impl Store {
         let FoundSession { key, row } = self.database.find(session)?;
         let to = to.unwrap_or(row.seq);
         if to > row.seq {
-            return Err(StoreError::NoRecord { asked: to, last: row.seq });
+            return Err(StoreError::NoRecord { requested: to, last: row.seq });
         }
         let mut session = Session::default();
         self.replay_following(key, &mut session, &mut row.reader(), to)?;
@@ -199,16 +189,7 @@ pub(crate) fn insert_record(
         return Err(StoreError::RecordTooLarge);
     }
     let line = compact(&json, record.seq, |hash| writer.position_of_value(key, hash))?;
-    let new = NewRecord {
-        seq: record.seq,
-        time_ms: record.time_ms,
-        actor_id: &record.actor.id,
-        actor_name: &record.actor.name,
-        op_id: &record.op_id,
-        line: &line.text,
-        new_values: &line.new_values,
-    };
-    writer.insert_record(key, &new)?;
+    writer.insert_record(key, &record, &line)?;
     *proof = next_proof(proof, &line.text);
     Ok(json.len())
 }

@@ -3,16 +3,8 @@
 use protocol::next_proof;
 
 use crate::sessions::{check_title, insert_session};
-use crate::stored::{FoundSession, SessionSummary, StoredRecord};
+use crate::stored::{FoundSession, SessionChange, SessionSummary, StoredRecord};
 use crate::{Store, StoreError};
-
-/// Changes of a session's title and archived state. A property that is `None` stays.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SessionChange {
-    pub title: Option<String>,
-    /// True archives the session, false restores it.
-    pub archived: Option<bool>,
-}
 
 impl Store {
     /// Lists all sessions by name. Reads no log.
@@ -26,20 +18,10 @@ impl Store {
     }
 
     /// Changes the title or the archived state of a session. Its log and its name stay.
-    pub fn change_session(
-        &mut self,
-        name: &str,
-        change: &SessionChange,
-    ) -> Result<SessionSummary, StoreError> {
+    pub fn change_session(&mut self, name: &str, change: &SessionChange) -> Result<SessionSummary, StoreError> {
         change.title.as_deref().map_or(Ok(()), check_title)?;
         self.database.write(|writer| {
-            let key = writer.find(name)?.key;
-            if let Some(title) = &change.title {
-                writer.set_title(key, title)?;
-            }
-            if let Some(archived) = change.archived {
-                writer.set_archived(key, archived)?;
-            }
+            writer.change_session(writer.find(name)?.key, change)?;
             writer.summary(name)
         })
     }

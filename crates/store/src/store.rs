@@ -7,8 +7,7 @@ use crate::assets::{ASSETS_FOLDER, Assets, check_folder};
 use crate::sqlite::{DATABASE_FILE, Database};
 
 /// All files and folders of the store in the data folder. Only their owner may read them.
-pub const FILES: &[&str] =
-    &[DATABASE_FILE, "bendylights.sqlite-wal", "bendylights.sqlite-shm", ASSETS_FOLDER];
+pub const FILES: &[&str] = &[DATABASE_FILE, "bendylights.sqlite-wal", "bendylights.sqlite-shm", ASSETS_FOLDER];
 
 /// A connection to a data folder. Several can be open at once, in this program and others. One writes while the other
 /// writers wait. Reads never wait.

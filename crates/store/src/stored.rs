@@ -19,6 +19,14 @@ pub struct SessionRow {
     pub proof: String,
 }
 
+/// Changes of a session's title and archived state. A property that is `None` stays.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SessionChange {
+    pub title: Option<String>,
+    /// True archives the session, false restores it.
+    pub archived: Option<bool>,
+}
+
 impl SessionRow {
     /// Returns the first line of the session's log.
     pub(crate) fn header(&self) -> LogHeader {
@@ -82,20 +90,6 @@ pub struct StoredRecord {
     pub hash: Option<String>,
     /// Proof of all lines up to this record. Stored for the last record of each batch only.
     pub proof: Option<String>,
-}
-
-/// The next record of a log.
-pub struct NewRecord<'a> {
-    pub seq: u64,
-    pub time_ms: u64,
-    pub actor_id: &'a str,
-    pub actor_name: &'a str,
-    pub op_id: &'a str,
-    /// Line of the record in a log file, in which references replace long values that the log already contains.
-    pub line: &'a str,
-    /// Hashes of the long values that the log contains for the first time in this line, each with the byte at which the
-    /// value begins.
-    pub new_values: &'a [(String, usize)],
 }
 
 /// Checkpoint in the database, with the data that the log has of the checkpoint's record.

@@ -23,8 +23,6 @@ pub enum StreamError {
     )]
     Short(usize),
     /// A header field has a value that this version does not know.
-    #[error(
-        "the frame's {field} is {value}, which version 1 of the protocol does not have: update this program"
-    )]
+    #[error("the frame's {field} is {value}, which version 1 of the protocol does not have: update this program")]
     Unknown { field: &'static str, value: u32 },
 }

@@ -76,8 +76,7 @@ impl FrameHeader {
     /// Returns the header in its wire form. The payload follows it.
     pub fn to_bytes(&self) -> [u8; HEADER_BYTES] {
         let mut bytes = [0; HEADER_BYTES];
-        let mut put =
-            |offset: usize, field: &[u8]| bytes[offset..offset + field.len()].copy_from_slice(field);
+        let mut put = |offset: usize, field: &[u8]| bytes[offset..offset + field.len()].copy_from_slice(field);
         let codec = match self.codec {
             Codec::Jpeg => 1,
             Codec::Png => 2,
@@ -150,9 +149,7 @@ impl FrameFlags {
 
     fn to_bits(self) -> u16 {
         let bit = |set: bool, bit: u16| if set { bit } else { 0 };
-        bit(self.is_key, Self::KEY)
-            | bit(self.is_settled, Self::SETTLE)
-            | bit(self.is_last_tile, Self::LAST_TILE)
+        bit(self.is_key, Self::KEY) | bit(self.is_settled, Self::SETTLE) | bit(self.is_last_tile, Self::LAST_TILE)
     }
 
     fn from_bits(bits: u16) -> Result<Self, StreamError> {

@@ -14,11 +14,9 @@ mod error;
 mod frame;
 mod pace;
 mod tiles;
-mod window;
 
 pub use encode::{MOVING_QUALITY, jpeg, png};
 pub use error::StreamError;
 pub use frame::{Codec, FrameFlags, FrameHeader, FrameTile, HEADER_BYTES};
-pub use pace::{FramePacer, FrameQuality, NextFrame, SETTLE_AFTER, ViewContent};
+pub use pace::{FramePacer, FrameQuality, MAX_FRAMES_IN_FLIGHT, NextFrame, SETTLE_AFTER, ViewContent};
 pub use tiles::{changed_tiles, crop, png_bands, whole_tile};
-pub use window::{AckWindow, MAX_FRAMES_IN_FLIGHT};

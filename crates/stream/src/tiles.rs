@@ -24,12 +24,7 @@ pub fn whole_tile(width: u16, height: u16) -> FrameTile {
 /// Finds the rectangles in which two pictures of RGBA pixels of that size differ. They hold every pixel that differs
 /// and do not overlap. If most of the picture differs, the only rectangle is the whole picture. If nothing differs,
 /// there is none.
-pub fn changed_tiles(
-    before: &[u8],
-    after: &[u8],
-    width: u16,
-    height: u16,
-) -> Result<Vec<FrameTile>, StreamError> {
+pub fn changed_tiles(before: &[u8], after: &[u8], width: u16, height: u16) -> Result<Vec<FrameTile>, StreamError> {
     crate::encode::check_size(before, width, height)?;
     crate::encode::check_size(after, width, height)?;
     let (columns, rows) = (usize::from(width).div_ceil(BLOCK), usize::from(height).div_ceil(BLOCK));
@@ -54,8 +49,7 @@ pub fn changed_tiles(
                 column += 1;
             }
             // A rectangle of the same columns that ends above grows by this row.
-            let above =
-                rectangles.iter_mut().find(|[x, y, w, h]| (*x, *w, y + *h) == (from, column - from, row));
+            let above = rectangles.iter_mut().find(|[x, y, w, h]| (*x, *w, y + *h) == (from, column - from, row));
             match above {
                 Some([_, _, _, h]) => *h += 1,
                 None => rectangles.push([from, row, column - from, 1]),

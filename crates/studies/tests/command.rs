@@ -69,8 +69,7 @@ fn the_docs_and_the_help_show_commands_that_exist() {
 fn drags_are_counted_for_each_kind_and_what_failed_can_be_made_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let failures = folder.path().join("failures").display().to_string();
-    let (report, said) =
-        answer(&["drags", "demo:vases", "nowhere.glb", "--drags", "4", "--failures", &failures], 0);
+    let (report, said) = answer(&["drags", "demo:vases", "nowhere.glb", "--drags", "4", "--failures", &failures], 0);
     assert!(said.contains("skipped nowhere.glb"), "{said}");
     let cells = report["cells"].as_array().expect("cells");
     assert_eq!(cells.len(), 32, "sixteen kinds in the demo, and in all scenes");
@@ -87,10 +86,7 @@ fn drags_are_counted_for_each_kind_and_what_failed_can_be_made_again() {
 fn a_property_that_does_not_hold_gives_its_case_and_exit_code_1() {
     let sound = ["stress", "--only", "joints", "--cases", "3"];
     let (report, _) = answer(&sound, 0);
-    assert_eq!(
-        (&report["outcomes"][0]["cases"], &report["outcomes"][0]["failure"]),
-        (&3.into(), &Value::Null)
-    );
+    assert_eq!((&report["outcomes"][0]["cases"], &report["outcomes"][0]["failure"]), (&3.into(), &Value::Null));
     let (report, said) = answer(&[&sound[..], &["--planted"]].concat(), 1);
     let seed = &report["outcomes"][0]["failure"]["seed"];
     let again = format!("`bendylights-studies stress --only joints --seed {seed} --cases 1`");

@@ -2,26 +2,21 @@
 //! anew.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use protocol::{ErrorCode, SchemaSide, json_schema, openapi};
 use serde_json::Value;
 
-fn agrees(name: &str, value: &Value) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("generated").join(name);
-    let text = format!("{value:#}\n");
-    if std::env::var_os("BENDYLIGHTS_BLESS").is_some() {
-        std::fs::write(&path, &text).expect("written");
-    }
-    let committed = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(committed == text, "{name} is not what the types say: run this test with BENDYLIGHTS_BLESS=1");
-}
+use crate::assert_committed;
 
 #[test]
 fn schemas_are_those_of_the_types() {
-    agrees("schema.json", &json_schema(SchemaSide::Read));
-    agrees("schema-written.json", &json_schema(SchemaSide::Written));
-    agrees("openapi.json", &openapi());
+    for (name, value) in [
+        ("schema.json", json_schema(SchemaSide::Read)),
+        ("schema-written.json", json_schema(SchemaSide::Written)),
+        ("openapi.json", openapi()),
+    ] {
+        assert_committed(&format!("generated/{name}"), &format!("{value:#}\n"));
+    }
 }
 
 /// Collects every reference in `value`.

@@ -2,12 +2,10 @@
 
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, LIGHT_LINK, NAME,
-    RADIAL_FALLOFF, RANGE, SHADOW_LINK, TRANSLATION, UP, WIDTH,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, LIGHT_LINK, NAME, RADIAL_FALLOFF,
+    RANGE, SHADOW_LINK, TRANSLATION, UP, WIDTH,
 };
-use light::{
-    Decay, DirectionMode, EndMode, FrameMode, Light, Links, ParameterOwner, PeriodicCurve, Transform,
-};
+use light::{Decay, DirectionMode, EndMode, FrameMode, Light, Links, ParameterOwner, PeriodicCurve, Transform};
 use proptest::prelude::*;
 use protocol::{light_file, point_file};
 
@@ -171,10 +169,7 @@ fn json_has_a_line_a_field() {
     for field in ["exposure", "coneAngle", "frame", "up"] {
         assert!(lines.iter().any(|line| line.starts_with(&format!("  \"{field}\": "))), "{json}");
     }
-    assert!(
-        lines.last() == Some(&"}")
-            && lines.iter().filter(|line| line.ends_with(',')).count() == lines.len() - 3
-    );
+    assert!(lines.last() == Some(&"}") && lines.iter().filter(|line| line.ends_with(',')).count() == lines.len() - 3);
 }
 
 proptest! {
@@ -248,10 +243,7 @@ fn broken_json_is_refused_with_its_line_and_column() {
         (refusal("{\n\"type\""), "it ends before what began is closed (line 2, character 6)"),
         (spoilt("0.1", "NaN"), "there is no value where one should be (line 1, character 68)"),
         (spoilt("0.1", "1e999"), "a number is out of range (line 1, character 72)"),
-        (
-            refusal(&format!("{SHORT} {SHORT}")),
-            "something follows where it should end (line 1, character 82)",
-        ),
+        (refusal(&format!("{SHORT} {SHORT}")), "something follows where it should end (line 1, character 82)"),
         (refusal("[{\"type\": \"spot\"},\n]"), "a comma stands before the end (line 2, character 1)"),
     ] {
         let hint = "(numbers must be finite; JSON has no NaN or Infinity)";
@@ -283,10 +275,7 @@ fn a_wrong_shape_is_refused_with_its_place() {
         (refusal("[3]"), format!("light 0: is the number 3, where {light} should be")),
         (refusal("{}"), "the field `type` is missing".into()),
         (spoilt("bendy", "area"), "type: `area` is not one of `bendy`, `spot`, `omni`, `directional`".into()),
-        (
-            spoilt("\"radii\"", "\"radius\""),
-            format!("radius: there is no field `radius`, only {bendy_fields}"),
-        ),
+        (spoilt("\"radii\"", "\"radius\""), format!("radius: there is no field `radius`, only {bendy_fields}")),
         (
             refusal("[{\"type\": \"spot\"}, {\"type\": \"spot\", \"radii\": []}]"),
             format!("light 1: radii: there is no field `radii`, only {spot_fields}"),
@@ -300,17 +289,14 @@ fn a_wrong_shape_is_refused_with_its_place() {
         (spoilt("0.4", "\"a\""), "radii[1]: is the text \"a\", where a number should be".into()),
         (spoilt("0.4", "null"), "radii[1]: is null, where a number should be".into()),
         (spoilt("[0,0,-1]", "[0,0]"), "points[1]: has 2 values, where an array of 3 should be".into()),
-        (
-            spoilt("}", ", \"decay\": \"fast\"}"),
-            "decay: `fast` is not one of `none`, `linear`, `inverseSquare`".into(),
-        ),
+        (spoilt("}", ", \"decay\": \"fast\"}"), "decay: `fast` is not one of `none`, `linear`, `inverseSquare`".into()),
     ] {
         assert_eq!(said, expected);
     }
 }
 
 #[test]
-fn what_the_model_refuses_is_refused_here() {
+fn lights_that_cannot_be_evaluated_are_refused() {
     let bend = |radius: &str| {
         let points = "[[0,0,0],[0,0,-1],[1,0,-1]]";
         format!("{{\"type\": \"bendy\", \"points\": {points}, \"radii\": [{radius},{radius},{radius}]}}")
@@ -337,19 +323,12 @@ fn a_bad_point_file_is_refused_with_its_place() {
         ("{}", "is an object, where an array should be"),
         ("[[0,0,0],[0,0]]", "[1]: has 2 values, where an array of 3 should be"),
         ("[[0,\"x\",0]]", "[0][1]: is the text \"x\", where a number should be"),
+        // A vector with a number too many or too few is an error of shape that names the field.
+        ("[[0, 0, 0], [1, 2, 3, 4]]", "[1]: too many numbers: a pair has 2, a vector 3, a rotation 4"),
+        ("[[0, 0, 0], [1, 2]]", "[1]: has 2 values, where an array of 3 should be"),
     ] {
-        assert_eq!(point_file::parse(text).expect_err("a bad point file").to_string(), expected);
+        assert_eq!(point_file::parse(text).expect_err("a bad point file").to_string(), expected, "{text}");
     }
-}
-
-/// A vector with a number too many or too few is an error of shape that names the field.
-#[test]
-fn vectors_have_three_numbers() {
-    let said = |text: &str| protocol::point_file::parse(text).expect_err("refused").to_string();
-    assert_eq!(
-        said("[[0, 0, 0], [1, 2, 3, 4]]"),
-        "[1]: too many numbers: a pair has 2, a vector 3, a rotation 4"
-    );
-    assert_eq!(said("[[0, 0, 0], [1, 2]]"), "[1]: has 2 values, where an array of 3 should be");
-    assert!(said("[[0, 0, 0]] 7").starts_with("not valid JSON: something follows"));
+    let surplus = point_file::parse("[[0, 0, 0]] 7").expect_err("a bad point file").to_string();
+    assert!(surplus.starts_with("not valid JSON: something follows"), "{surplus}");
 }

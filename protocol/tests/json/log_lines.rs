@@ -1,8 +1,8 @@
 //! Tests of single lines of a log file.
 
 use protocol::{
-    Checkpoint, FIRST_PROOF, FileError, LogHeader, LogLine, LogPosition, LogReader, MIN_HELD_BYTES,
-    ReadError, compact, next_proof,
+    Checkpoint, FIRST_PROOF, FileError, LogHeader, LogLine, LogPosition, LogReader, MIN_HELD_BYTES, ReadError, compact,
+    next_proof,
 };
 use serde_json::{Value, json};
 
@@ -54,8 +54,7 @@ fn other_lines_are_refused_by_what_is_wrong() {
 /// Returns a record that adds a light with 40 control points, and one that removes it, in full.
 fn long_records() -> [Value; 2] {
     let points: Vec<[f64; 3]> = (0..40).map(|i| [0.0, 0.0, -0.1 * f64::from(i)]).collect();
-    let light =
-        json!({"type": "bendy", "name": "\\\"{\"sameAs\":[[", "points": points, "radii": vec![0.01; 40]});
+    let light = json!({"type": "bendy", "name": "\\\"{\"sameAs\":[[", "points": points, "radii": vec![0.01; 40]});
     let record = |seq: u64, action: Value, changes: Value| {
         json!({"format": 2, "seq": seq, "timeMs": 1, "actor": {"id": "a", "name": "Ada"}, "opId": seq.to_string(),
             "action": action, "changes": changes})
@@ -88,11 +87,7 @@ fn a_long_value_stands_in_a_log_once() {
     let records = long_records();
     let lines = compacted(&records);
     let whole = records[0].to_string().len();
-    assert!(
-        lines[0].len() < whole * 2 / 3,
-        "it stood twice in its own record: {} of {whole}",
-        lines[0].len()
-    );
+    assert!(lines[0].len() < whole * 2 / 3, "it stood twice in its own record: {} of {whole}", lines[0].len());
     assert!(lines[1].len() < MIN_HELD_BYTES, "{}", lines[1]);
     let mut reader = LogReader::default();
     for (line, record) in lines.iter().zip(&records) {
@@ -194,8 +189,7 @@ fn any_record_of_a_long_log_can_be_read_alone() {
 /// Rules: LOG-4
 #[test]
 fn a_proof_covers_every_byte_of_every_line() {
-    let proof =
-        |lines: &[&str]| lines.iter().fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, line));
+    let proof = |lines: &[&str]| lines.iter().fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, line));
     // printf '%064d%s' 0 abc | sha256sum
     assert_eq!(proof(&["abc"]), "b64374d04ef9c4f39fddb1e0d6be38a0130f6c057fc0f4ee467ea0e18bc758f1");
     let lines = compacted(&long_records());

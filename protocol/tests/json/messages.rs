@@ -1,6 +1,8 @@
 //! Tests of the socket's messages against SPEC.md.
 
-use protocol::{ClientMessage, ServerMessage};
+use std::collections::BTreeSet;
+
+use protocol::{ClientMessage, SchemaSide, ServerMessage, json_schema, parse_body};
 use serde_json::{Value, json};
 
 fn camera() -> Value {
@@ -63,6 +65,17 @@ fn commands() -> Vec<Value> {
         json!({"type": "setCamera", "camera": 3, "parameter": {"name": "side"}}),
         json!({"type": "setCamera", "camera": 3, "parameter": {"projection":
             {"orthographic": {"ymag": 1.0, "znear": 0.0, "zfar": 9.0}}}}),
+        json!({"type": "set", "target": "/lights/1/coneAngle", "value": 30.5}),
+        json!({"type": "dragPoint", "light": 1, "point": 2, "position": [0.0, 0.0, 0.5], "radii": "follow"}),
+        json!({"type": "dragFeature", "light": 1, "kind": "shadow", "points": [1, 2], "radii": "keep",
+            "camera": camera(), "size": [640, 360], "from": [1.5, 2.5], "to": [3.5, 4.5], "sourceOutside": true}),
+        json!({"type": "addPin", "pin": {"kind": "shadow", "light": 1, "at": [0.0, 0.5, 0.0], "caster": "vase",
+            "hard": true}}),
+        json!({"type": "removePin", "pin": 1}),
+        json!({"type": "setPin", "pin": 1, "hard": false}),
+        json!({"type": "bendLight", "light": 1, "segments": 3, "range": 6.5, "coneAngle": 45.0,
+            "toward": [0.0, 0.0, 0.0]}),
+        json!({"type": "straightenLight", "light": 1}),
     ];
     let parameters = [
         json!({"name": "key"}),
@@ -81,18 +94,15 @@ fn commands() -> Vec<Value> {
         json!({"range": 6.5}),
         json!({"range": null}),
     ];
-    commands
-        .extend(parameters.map(|parameter| json!({"type": "setLight", "light": 1, "parameter": parameter})));
+    commands.extend(parameters.map(|parameter| json!({"type": "setLight", "light": 1, "parameter": parameter})));
     let of_points = [
         json!({"position": [0.0, 0.0, 0.5]}),
         json!({"radius": 0.5}),
         json!({"color": [1.0, 0.5, 0.25]}),
         json!({"intensity": 2.0}),
     ];
-    commands.extend(
-        of_points
-            .map(|parameter| json!({"type": "setPoint", "light": 1, "point": 2, "parameter": parameter})),
-    );
+    commands
+        .extend(of_points.map(|parameter| json!({"type": "setPoint", "light": 1, "point": 2, "parameter": parameter})));
     commands
 }
 
@@ -106,10 +116,10 @@ fn from_the_server() -> Vec<Value> {
     let bounds = json!({"min": [-1.0, 0.0, -1.0], "max": [1.0, 2.0, 1.0]});
     let notes = ["points and lines are not drawn: fence"];
     let presence = json!({"client": 1, "actor": actor, "selection": null, "following": 2, "camera": camera(), "settings": {"exposure": 0.5, "solo": [2]}});
-    let gesture =
-        json!({"gesture": "g", "client": 1, "light": 1, "update": 3, "liveRevision": 4, "changes": []});
+    let gesture = json!({"gesture": "g", "client": 1, "light": 1, "update": 3, "liveRevision": 4, "changes": []});
     let action = json!({"type": "edit", "command": {"type": "removeLight", "light": 1}});
-    let record = json!({"format": 1, "seq": 1, "timeMs": 0, "actor": actor, "opId": "x", "action": action, "changes": []});
+    let record =
+        json!({"format": 1, "seq": 1, "timeMs": 0, "actor": actor, "opId": "x", "action": action, "changes": []});
     let settings = json!({"ackWindow": 3, "leaseMs": 30_000, "maxViewSide": 4096});
     let welcome = |state: Value| {
         json!({"type": "welcome", "protocol": 1, "session": "main", "client": 1, "epoch": "e", "seq": 1, "hash": hash,
@@ -117,9 +127,7 @@ fn from_the_server() -> Vec<Value> {
             "gestures": [gesture], "settings": settings})
     };
     let mut ended = gesture.clone();
-    for (field, value) in
-        [("type", "gestureState"), ("ended", "rejected"), ("code", "stale"), ("message", "m")]
-    {
+    for (field, value) in [("type", "gestureState"), ("ended", "rejected"), ("code", "stale"), ("message", "m")] {
         ended[field] = value.into();
     }
     let run = json!({"pass": "shadowMap", "light": 1, "cause": "light", "runs": 1});
@@ -148,16 +156,26 @@ fn from_the_server() -> Vec<Value> {
 #[test]
 fn messages_of_clients_are_read_and_written_alike() {
     for message in from_the_client().into_iter().chain(commands().iter().map(edit)) {
-        let read = ClientMessage::parse(&message.to_string()).expect("as SPEC.md says");
+        let read: ClientMessage = parse_body(&message.to_string()).expect("as SPEC.md says");
         assert_eq!(serde_json::to_value(read).expect("plain data"), message);
     }
+}
+
+/// Rules: SOCK-7
+#[test]
+fn the_commands_here_are_of_every_type() {
+    let schema = json_schema(SchemaSide::Read);
+    let mapping = schema["$defs"]["Command"]["discriminator"]["mapping"].as_object().expect("a type to a schema");
+    let here: BTreeSet<_> =
+        commands().iter().map(|command| command["type"].as_str().expect("a type").to_owned()).collect();
+    assert_eq!(here, mapping.keys().cloned().collect());
 }
 
 /// Rules: SOCK-2, SOCK-3, SOCK-8
 #[test]
 fn messages_of_the_server_are_read_and_written_alike() {
     for message in from_the_server() {
-        let read = ServerMessage::parse(&message.to_string()).expect("as SPEC.md says");
+        let read: ServerMessage = parse_body(&message.to_string()).expect("as SPEC.md says");
         assert_eq!(serde_json::to_value(read).expect("plain data"), message);
     }
 }
@@ -186,7 +204,7 @@ fn fields_that_nobody_knows_are_refused() {
     for message in from_the_client().into_iter().chain(commands().iter().map(edit)) {
         for planted in with_gobo(&message) {
             let text = planted.to_string();
-            let said = ClientMessage::parse(&text).expect_err(&text).to_string();
+            let said = parse_body::<ClientMessage>(&text).expect_err(&text).to_string();
             // An object that represents a choice has exactly one field, so the error need not name the second
             // one.
             assert!(said.contains("`gobo`") || said.contains("map with a single key"), "{text}: {said}");
@@ -197,7 +215,7 @@ fn fields_that_nobody_knows_are_refused() {
 /// Rules: SOCK-6
 #[test]
 fn the_reason_says_what_is_wrong() {
-    let said = |message: Value| ClientMessage::parse(&message.to_string()).expect_err("a fault").to_string();
+    let said = |message: Value| parse_body::<ClientMessage>(&message.to_string()).expect_err("a fault").to_string();
     let set_point =
         |parameter: Value| edit(&json!({"type": "setPoint", "light": 1, "point": 2, "parameter": parameter}));
     for (message, words) in [
@@ -216,15 +234,13 @@ fn the_reason_says_what_is_wrong() {
         let sentence = said(message.clone());
         assert!(sentence.contains(words), "{message}: {sentence}");
     }
-    for text in
-        ["", "{", "ping", "{\"type\": \"ping\", \"sent\": NaN}", "{\"type\": \"ping\", \"sent\": 1e999}"]
-    {
-        ClientMessage::parse(text).expect_err(text);
+    for text in ["", "{", "ping", "{\"type\": \"ping\", \"sent\": NaN}", "{\"type\": \"ping\", \"sent\": 1e999}"] {
+        parse_body::<ClientMessage>(text).expect_err(text);
     }
 }
 
 #[test]
-fn what_holds_a_document_is_cut_where_that_stands() {
+fn json_is_cut_around_its_document() {
     let document = || protocol::Document { scene: None, ..protocol::Document::default() };
     let empty = serde_json::to_string(&document()).unwrap();
     let state = |document| protocol::SessionState {

@@ -4,11 +4,12 @@ use document::{Command, CommandContext, Document, execute_command};
 use protocol::{ErrorCode, Refused};
 use serde_json::{Value, json};
 
+fn command(json: Value) -> Result<Command, Refused> {
+    serde_json::from_value::<protocol::Command>(json).expect("the right shape").try_into()
+}
+
 fn set(target: &str, value: &Value) -> Result<Command, Refused> {
-    let wire: protocol::Command =
-        serde_json::from_value(json!({"type": "set", "target": target, "value": value}))
-            .expect("the right shape");
-    wire.try_into()
+    command(json!({"type": "set", "target": target, "value": value}))
 }
 
 fn refusal(target: &str, value: &Value) -> String {
@@ -48,10 +49,7 @@ fn a_value_of_another_type_is_told_what_the_parameter_takes() {
 #[test]
 fn the_radii_of_a_dragged_point_are_kept_or_follow() {
     let dragged = |radii: &str| {
-        let command =
-            json!({"type": "dragPoint", "light": 1, "point": 2, "position": [0, 0, 0], "radii": radii});
-        let wire: protocol::Command = serde_json::from_value(command).expect("the right shape");
-        Command::try_from(wire)
+        command(json!({"type": "dragPoint", "light": 1, "point": 2, "position": [0, 0, 0], "radii": radii}))
     };
     for (radii, follow) in [("keep", false), ("follow", true)] {
         let Ok(Command::DragPoint { radii_follow, .. }) = dragged(radii) else { panic!("{radii}") };
@@ -97,11 +95,9 @@ fn no_refusal_repeats_a_long_input() {
 #[test]
 fn a_name_that_is_too_long_is_told_so_alike_by_all_commands() {
     let mut document = Document::default();
-    let mut edit = |command: Value| {
-        let wire: protocol::Command = serde_json::from_value(command).expect("the right shape");
-        let edited = Command::try_from(wire).and_then(|command| {
-            Ok(execute_command(&document, &command, CommandContext::default())?.document)
-        });
+    let mut edit = |json: Value| {
+        let edited = command(json)
+            .and_then(|command| Ok(execute_command(&document, &command, CommandContext::default())?.document));
         edited.map(|after| document = after).map_err(|error| (error.code(), error.to_string()))
     };
     let camera = |name: &str| {

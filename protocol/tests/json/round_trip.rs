@@ -69,7 +69,7 @@ proptest! {
     fn a_session_survives_json(requests in requests()) {
         let session = logged(requests).0;
         let checkpoint = SessionCheckpoint::from(&session);
-        let read = SessionCheckpoint::parse(&checkpoint.to_json()).expect("what was written");
+        let read: SessionCheckpoint = protocol::parse_body(&checkpoint.to_json()).expect("what was written");
         prop_assert_eq!(&read, &checkpoint);
         let read = read.into_domain().expect("a sound session");
         prop_assert_eq!((read.seq(), read.session_history()), (session.seq(), session.session_history()));
@@ -131,12 +131,13 @@ fn a_planted_bit_is_seen() {
 
 /// Rules: CMD-2, DOC-5, CMD-6
 #[test]
-fn what_has_no_meaning_is_refused_on_the_way_in() {
+fn commands_without_a_meaning_are_refused() {
     let command = |text: &str| {
         let wire: protocol::Command = protocol::parse_body(text).expect("the right shape");
         Command::try_from(wire)
     };
-    let fold = r#"{"type": "addLight", "light": {"type": "bendy", "points": [[0,0,0],[0,0,-1],[1,0,-1]], "radii": [5,5,5]}}"#;
+    let fold =
+        r#"{"type": "addLight", "light": {"type": "bendy", "points": [[0,0,0],[0,0,-1],[1,0,-1]], "radii": [5,5,5]}}"#;
     assert_eq!(command(fold).expect_err("it folds").code(), ErrorCode::InvalidLight);
     let unnamed = command(r#"{"type": "loadScene", "scene": "vases"}"#).expect_err("no hash");
     assert!(matches!(unnamed, Refused::Asset(_)), "{unnamed}");

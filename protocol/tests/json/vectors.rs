@@ -1,14 +1,13 @@
 //! Tests of `vectors/`: cases that this test generates, and that the page's tests run too. With
 //! `BENDYLIGHTS_BLESS=1` the tests write the files anew.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use document::{AssetHash, CameraId, CameraParameter, Command, CommandContext, SceneContents};
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
-    POINT_INTENSITY, POSITION, RADIUS, RANGE, UP,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR, POINT_INTENSITY,
+    POSITION, RADIUS, RANGE, UP,
 };
 use light::{CheckedLight, Decay, DirectionMode, EndMode, FrameMode, Light, LightId, Tube};
 use protocol::{Change, Document, parameter_table};
@@ -16,15 +15,7 @@ use scene::{Camera, Projection};
 use serde_json::{Value, json};
 use stream::{Codec, FrameFlags, FrameHeader, FrameTile};
 
-/// Asserts that the committed file equals the generated text.
-fn agrees(name: &str, made: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("vectors").join(name);
-    if std::env::var_os("BENDYLIGHTS_BLESS").is_some() {
-        std::fs::write(&path, made).expect("written");
-    }
-    let committed = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(committed == made, "{name} is not what the code makes: run this test with BENDYLIGHTS_BLESS=1");
-}
+use crate::assert_committed;
 
 /// Formats one case per line.
 fn list(cases: &[Value]) -> String {
@@ -94,7 +85,7 @@ fn forward_and_inverse_cases((name, command): &(&str, Command)) -> [Value; 2] {
     let before = edited();
     let mut after = before.clone();
     let changes = done(&mut after, command);
-    let inverses: Vec<_> = changes.iter().rev().map(document::Change::inverse).collect();
+    let inverses = document::Change::inverses(&changes);
     let back = change_case(&format!("{name}, taken back"), &after, &inverses, &before);
     [change_case(name, &before, &changes, &after), back]
 }
@@ -106,8 +97,7 @@ fn commands() -> Vec<(&'static str, Command)> {
     let set_point = |setting| Command::SetPoint { light: BENDY, point: 1, setting };
     let set_camera = |parameter| Command::SetCamera { camera: EYE, parameter };
     let (position, radius, color, intensity) = (None, None, None, None);
-    let orthographic =
-        Projection::Orthographic { ymag: 2.0, aspect_ratio: Some(1.5), znear: 0.5, zfar: 10.0 };
+    let orthographic = Projection::Orthographic { ymag: 2.0, aspect_ratio: Some(1.5), znear: 0.5, zfar: 10.0 };
     let (translation, scale) = (Some(vector), Some(2.0));
     vec![
         ("a scene", Command::LoadScene { asset: ROOM, name: "room".into() }),
@@ -133,10 +123,7 @@ fn commands() -> Vec<(&'static str, Command)> {
             "a point dragged, and radii that follow",
             Command::DragPoint { light: BENDY, point: 2, position: DVec3::NEG_X * 3.0, radii_follow: true },
         ),
-        (
-            "a point inserted",
-            Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity },
-        ),
+        ("a point inserted", Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity }),
         ("a camera that comes", Command::AddCamera(eye())),
         ("a camera that goes", Command::RemoveCamera(EYE)),
         ("a camera placed", Command::PlaceCamera { camera: EYE, translation, rotation: Some(rotation) }),
@@ -151,12 +138,11 @@ fn changes_do_the_same_on_both_sides() {
     let cases: Vec<Value> = commands().iter().flat_map(forward_and_inverse_cases).collect();
     let types = ["scene", "light", "lightParameter", "point", "controlPoints", "camera", "cameraParameter"];
     for name in types {
-        let of_type =
-            |case: &Value| case["changes"].as_array().is_some_and(|c| c.iter().any(|c| c["type"] == name));
+        let of_type = |case: &Value| case["changes"].as_array().is_some_and(|c| c.iter().any(|c| c["type"] == name));
         assert!(cases.iter().any(of_type), "{name}");
     }
     assert!(cases.iter().all(|case| case["document"] != case["after"]), "each case can fail");
-    agrees("changes.json", &list(&cases));
+    assert_committed("vectors/changes.json", &list(&cases));
 }
 
 /// Evaluates the curve of `light`, of scale 1, at `t`: light-local position, radius, and P'(t).
@@ -187,7 +173,7 @@ fn a_curve_is_the_same_on_both_sides() {
         cases.extend(places.iter().map(|&t| curve_case(&light, t)));
     }
     assert_eq!(cases[0]["position"], json!([0.0, 0.0, 0.0]), "it starts in its first control point");
-    agrees("curve.json", &list(&cases));
+    assert_committed("vectors/curve.json", &list(&cases));
 }
 
 /// Rules: FRAME-1
@@ -215,7 +201,8 @@ fn a_frame_header_is_the_same_on_both_sides() {
     };
     let bytes = header.to_bytes();
     assert_eq!(FrameHeader::from_bytes(&bytes).expect("a header"), header);
-    let hex = bytes.map(|byte| format!("{byte:02x}")).concat();
+    let encoded = const_hex::const_encode::<_, false>(&bytes);
+    let hex = encoded.as_str();
     let vector = json!({"hex": hex, "header": {
         "codec": "png",
         "key": header.flags.is_key,
@@ -237,12 +224,12 @@ fn a_frame_header_is_the_same_on_both_sides() {
         "viewWidth": header.view_width,
         "viewHeight": header.view_height,
     }});
-    agrees("frame.json", &format!("{vector:#}\n"));
+    assert_committed("vectors/frame.json", &format!("{vector:#}\n"));
 }
 
 /// Rules: HTTP-19
 #[test]
 fn the_table_of_parameters_is_the_same_on_both_sides() {
     let rows: Vec<_> = parameter_table().parameters.iter().map(|row| json!(row)).collect();
-    agrees("parameters.json", &list(&rows));
+    assert_committed("vectors/parameters.json", &list(&rows));
 }

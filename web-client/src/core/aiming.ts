@@ -1,4 +1,4 @@
-// Where a light shines from its source, lights that are turned to shine elsewhere, and views from where they stand.
+// Directions of lights from their sources, lights that are turned, and views from their sources.
 
 import { tangentAt } from "./curve";
 import type { LightId } from "./ids";
@@ -47,7 +47,7 @@ function shortestTurn(from: Vec3, to: Vec3): Quat {
 /** The widest that a view can be, and that of an omni light, radians. */
 const WIDEST = (170 * Math.PI) / 180;
 const OMNI = Math.PI / 2;
-/** What is nearer than this share of the scene's diagonal is not seen. */
+/** Share of the scene's diagonal within which nothing is visible. */
 const NEAR_SHARE = 1e-4;
 
 /** A camera at the light's source that looks along its axis. It frames the light's cone, of an omni light a quarter turn; of

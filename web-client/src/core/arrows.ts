@@ -13,7 +13,7 @@ export interface Arrow {
   way: Way;
 }
 
-/** Where an arrow is drawn. */
+/** Ends of an arrow in the picture. */
 export interface ArrowSpan {
   tail: Pixel;
   tip: Pixel;
@@ -47,7 +47,7 @@ export function arrowsOf(light: Light, point: number | null): Arrow[] {
 /** The arrow's name in the page. */
 export const arrowName = ({ way }: Arrow): string => `pull-${way === "depth" ? way : "xyz"[way]}`;
 
-/** Where the arrow is seen; `null` where what it moves is not, or where its axis is seen end on. */
+/** Ends of the arrow in the picture; `null` if its origin is not visible, or its axis is seen end on. */
 export function spanOf({ moves, way }: Arrow, drawn: Drawn): ArrowSpan | null {
   const { view } = drawn;
   const at = positionOf(moves, drawn);
@@ -72,7 +72,7 @@ export function grabArrow(arrow: Arrow, drawn: Drawn, from: Pixel): (pointer: Pi
   return (pointer) => pulled(moves, drawn, pull({ x: pointer.x - from.x, y: pointer.y - from.y }));
 }
 
-/** As far along the axis that what is moved is seen beside the pointer, square to the axis on the screen. */
+/** Moves along the axis until the thing is seen beside the pointer, square to the axis on the screen. */
 function alongAxis(view: View, at: Vec3, axis: Axis): (by: Pixel) => Vec3 {
   const direction = unitAxis(axis);
   const velocity = screenVelocity(view, at, direction);

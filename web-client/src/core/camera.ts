@@ -46,7 +46,7 @@ export function withAspect(camera: Camera, aspectRatio: number): Camera {
     : { ...camera, projection: { orthographic: { ...projection.orthographic, aspectRatio } } };
 }
 
-/** Where in the view's picture that is which `render` writes: the film gate. It is in the middle, and may reach beyond
+/** Part of the view's picture that `render` writes: the film gate. It is in the middle, and may reach beyond
  * the sides of the picture of a camera without a shape. */
 export function gateOf({ camera, width, height }: View): Box {
   const gateHeight = height / tallerBy(camera, width / height);
@@ -54,7 +54,7 @@ export function gateOf({ camera, width, height }: View): Box {
   return { x: (width - gateWidth) / 2, y: (height - gateHeight) / 2, width: gateWidth, height: gateHeight };
 }
 
-/** Whether both see the same in pictures of every size, whatever they are called. */
+/** True if both show the same in pictures of every size; names do not count. */
 export function seeTheSame(a: Camera, b: Camera): boolean {
   const [first, second] = [numbersOf(a), numbersOf(b)];
   return first.length === second.length && first.every((number, k) => number === second[k]);
@@ -69,8 +69,8 @@ function numbersOf(camera: Camera): (number | undefined)[] {
   return [...camera.translation, ...camera.rotation, shotAspect(camera), ...lens];
 }
 
-/** How many times as high the view is as what the camera frames, in a picture `aspect` wide by 1 high: all of its
- * width is in the picture. */
+/** Height of the view divided by the height that the camera frames, in a picture `aspect` wide by 1 high, which has
+ * the whole width. */
 export const tallerBy = (camera: Camera, aspect: number): number =>
   Math.max(1, (aspectOf(camera) ?? 0) / aspect);
 
@@ -95,7 +95,7 @@ export const forwardOf = (camera: Camera): Vec3 => rotate(camera.rotation, [0, 0
 export const depthOf = (camera: Camera, point: Vec3): number =>
   dot(sub(point, camera.translation), forwardOf(camera));
 
-/** Where `point` in the world is seen; `null` before the near plane. */
+/** Pixel of `point` in the world; `null` before the near plane. */
 export function project(view: View, point: Vec3): Pixel | null {
   const { camera, width, height } = view;
   const local = rotate(inverse(camera.rotation), sub(point, camera.translation));
@@ -106,7 +106,7 @@ export function project(view: View, point: Vec3): Pixel | null {
   return { x: width / 2 + local[0] * pixels, y: height / 2 - local[1] * pixels };
 }
 
-/** Whether `pixel` lies in the picture. */
+/** True if `pixel` lies in the picture. */
 export const isInPicture = ({ width, height }: View, { x, y }: Pixel): boolean =>
   x >= 0 && x <= width && y >= 0 && y <= height;
 
@@ -117,13 +117,13 @@ export function worldPerPixel(view: View, point: Vec3): number {
   return (2 * size * (perspective ? depth : 1)) / view.height;
 }
 
-/** How what is at `point` moves on the screen, pixels for each unit that it goes along `direction`. */
+/** Velocity of `point` on the screen, pixels for each unit along `direction`. */
 export function screenVelocity(view: View, point: Vec3, direction: Vec3): Pixel {
   const { camera } = view;
   const turned = inverse(camera.rotation);
   const [at, by] = [rotate(turned, sub(point, camera.translation)), rotate(turned, direction)];
   const perPixel = worldPerPixel(view, point);
-  // What comes nearer goes away from the middle of the picture.
+  // A point that comes nearer moves away from the middle of the picture.
   const nearing = "perspective" in camera.projection ? by[2] / Math.max(-at[2], nearOf(camera)) : 0;
   return { x: (by[0] + at[0] * nearing) / perPixel, y: -(by[1] + at[1] * nearing) / perPixel };
 }

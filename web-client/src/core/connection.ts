@@ -2,7 +2,7 @@
 
 import type { ClientMessage, ErrorCode, ServerMessage } from "./protocol";
 
-/** What the page's surroundings provide. Tests bring their own. */
+/** Environment of the page. Tests bring their own. */
 export interface Host {
   openSocket(events: SocketEvents): Socket;
   nowMs(): number;
@@ -64,7 +64,7 @@ const SILENCE_MS = 12_000;
 /** Fatal errors after which the same hello may be welcome: they are about a moment, not about who asks. */
 const PASSING_ERRORS: readonly ErrorCode[] = ["helloTooLate", "draining"];
 
-/** How long to wait before try `attempt` (from 0): twice as long each time, half of it by chance. */
+/** Delay before try `attempt` (from 0): twice as long each time, half of it random. */
 export function retryDelayMs(attempt: number, random: number): number {
   const longest = Math.min(FIRST_RETRY_MS * 2 ** attempt, LONGEST_RETRY_MS);
   return longest * (0.5 + 0.5 * random);

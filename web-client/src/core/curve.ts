@@ -10,14 +10,14 @@ export const segmentCount = (points: number): number => points - 2;
 /** The fewest control points that make a curve. */
 const FEWEST_POINTS = 3;
 
-/** Whether a curve of `points` control points can do without `point`; the first is the source. */
+/** True if a curve of `points` control points can lose `point`; the first is the source. */
 export const isRemovable = (points: number, point: number): boolean => point > 0 && points > FEWEST_POINTS;
 
 /** A segment, and how far along it from 0 to 1. */
 interface Segment {
   segment: number;
   u: number;
-  /** Whether the segment is the first, the last: there the spline ends in its control point. */
+  /** True for the first segment, and for the last: there the spline ends in its control point. */
   first: boolean;
   last: boolean;
 }
@@ -65,7 +65,7 @@ export function tangentAt(points: readonly Vec3[], t: number): Vec3 {
   return scale(add(d0, scale(sub(d1, d0), u)), 2);
 }
 
-/** Where control point `point` pulls most: its Greville abscissa, 0, 1/2, 3/2, ..., n - 1/2, n. */
+/** Parameter at which control point `point` pulls most: its Greville abscissa, 0, 1/2, 3/2, ..., n - 1/2, n. */
 export function abscissa(points: number, point: number): number {
   return Math.min(segmentCount(points), Math.max(0, point - 0.5));
 }

@@ -43,7 +43,7 @@ export function applyChange(table: ParameterTable, document: Document, change: C
 
 /**
  * The document as `command` will leave it if the server agrees, for commands that a hand at a control sends.
- * What makes new ids, fills in values or is solved for waits for the server: there the document comes back as it is.
+ * A command that makes new ids, fills in values or needs a solve waits for the server: the document is returned unchanged.
  */
 export function predict(table: ParameterTable, document: Document, command: Command): Document {
   switch (command.type) {
@@ -66,16 +66,16 @@ export function predict(table: ParameterTable, document: Document, command: Comm
   }
 }
 
-/** Whether the control point that `command` drags is not where it was to go: as far as the tube can bend. */
+/** True if the control point that `command` drags has not reached its target, because the tube would fold. */
 export function isAtLimit(document: Document, command: Command | null): boolean {
   if (command?.type !== "dragPoint") return false;
   const light = lightOf(document, command.light);
   const at = light?.type === "bendy" ? light.points[command.point] : undefined;
-  // Where nothing is in the way it is there to the last bit.
+  // Without a limit the point is at its target to the last bit.
   return at?.some((x, k) => x !== command.position[k]) ?? false;
 }
 
-/** Whether a picture can show the change of `document` (SPEC, FRAME-7). */
+/** True if a picture can show the change of `document` (SPEC, FRAME-7). */
 export function changesPicture(table: ParameterTable, document: Document, change: Change): boolean {
   switch (change.type) {
     case "camera":
@@ -96,7 +96,7 @@ export function changesPicture(table: ParameterTable, document: Document, change
   }
 }
 
-/** Whether a name is none: nothing of it can be read. */
+/** True if nothing of a name can be read. */
 export const isBlank = (name: string): boolean => name.trim() === "";
 
 /** `stem` with the first number from `first` that none of `names` has, such as "spot 2". */
@@ -106,13 +106,13 @@ export function freeName(stem: string, names: readonly string[], first = 1): str
   return `${stem} ${number}`;
 }
 
-/** What a copy of `light` is called: as it is, with another number. */
+/** Name of a copy of `light`: the same with another number. */
 export function copyName({ name, type }: Light, names: readonly string[]): string {
   const stem = name.trim().replace(/ \d+$/, "");
   return freeName(stem === "" ? type : stem, names, 2);
 }
 
-/** What stands for the light in lists. */
+/** Label of the light in lists. */
 export const lightLabel = ({ id, light }: { id: LightId; light: Light }): string =>
   isBlank(light.name) ? `${light.type} ${id}` : light.name;
 
@@ -120,7 +120,7 @@ export const lightLabel = ({ id, light }: { id: LightId; light: Light }): string
 export const lightOf = (document: Document, id: LightId | null): Light | undefined =>
   document.lights.find((entry) => entry.id === id)?.light;
 
-/** What sentences call a light: its name in quotes, or its number. */
+/** Name of a light in sentences: its name in quotes, or its number. */
 export function lightName(document: Document, id: LightId): string {
   const name = lightOf(document, id)?.name ?? "";
   return isBlank(name) ? `Light ${id}` : `“${name}”`;

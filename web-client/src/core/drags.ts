@@ -7,15 +7,15 @@ import type { LightId } from "./ids";
 import type { LatencyMeter } from "./latency";
 import type { Change, ClientMessage, Command, DragOutcome, GestureState } from "./protocol";
 
-/** What the page shows of its own drag before the server has answered. */
+/** Own drag as the page shows it before the server has answered. */
 export interface OwnDrag {
   light: LightId;
   command: Command;
   /** The latest command that the server took; `null` before its first answer. */
   taken: Command | null;
-  /** What the server makes of that. */
+  /** Changes that the server computed for it. */
   changes: readonly Change[];
-  /** How the drag of a feature stands there; `null` before the first answer, and of other drags. */
+  /** Result of the drag of a feature so far; `null` before the first answer, and for other drags. */
   outcome: DragOutcome | null;
   /** Why the server keeps an earlier state (SPEC, GEST-4); `null` where it took the latest. */
   refusal: string | null;
@@ -43,7 +43,7 @@ export interface DragParts {
   notify(message: string): void;
   latency: LatencyMeter;
   baseSeq(): number;
-  /** What sentences call a light. */
+  /** Name of a light in sentences. */
   lightName(light: LightId): string;
   /**
    * Asks for the record; `edit` says the same on a later connection, where the gesture is gone. `changes` are what the

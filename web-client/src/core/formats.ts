@@ -1,12 +1,12 @@
 // Formats of cameras: width over height of what they frame.
 
 export interface Format {
-  /** As people call it. */
+  /** Common name. */
   label: string;
   aspect: number;
 }
 
-/** What films, broadcasts and stills commonly are. */
+/** Common formats of films, broadcasts and stills. */
 export const FORMATS: readonly Format[] = [
   { label: "16:9", aspect: 16 / 9 },
   { label: "1.85", aspect: 1.85 },

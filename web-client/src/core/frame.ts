@@ -41,7 +41,7 @@ export interface FrameHeader {
   waitUs: number;
   renderUs: number;
   encodeUs: number;
-  /** Of the view: of a picture that is reduced while something moves, what it is shown as. */
+  /** Width of the view, at which a picture that is reduced while something moves is displayed. */
   viewWidth: number;
   viewHeight: number;
 }
@@ -85,7 +85,7 @@ export function readHeader(message: ArrayBuffer): FrameHeader {
   };
 }
 
-/** Whether the message holds all of its picture: then nothing that came before counts. */
+/** True if the message contains the whole picture: then no earlier one matters. */
 export function isWhole({ tile, width, height }: FrameHeader): boolean {
   return tile.width === width && tile.height === height;
 }
@@ -95,7 +95,7 @@ export function viewSizeOf({ viewWidth, viewHeight }: FrameHeader): Size {
   return { width: viewWidth, height: viewHeight };
 }
 
-/** What of a frame is reduced, for people; empty where nothing is. */
+/** Names the reductions of a frame; empty if there are none. */
 export function reductionsOf(header: FrameHeader): string {
   const share = header.width / header.viewWidth;
   const resolution = share > 0.9 ? [] : [share > 0.6 ? "three-quarter resolution" : "half resolution"];

@@ -1,8 +1,8 @@
-// What the latest pictures came to, as the server tells who asks (SPEC, FRAME-13).
+// Statistics of the latest pictures, as the server sends them on request (SPEC, FRAME-13).
 
 import type { FrameStats } from "./protocol";
 
-/** Of what moved last, and of the lossless picture of it: an edit's own cost would go with the frame after it. */
+/** Statistics of the last moving picture and of its lossless one: without both, an edit's cost would be lost at the next frame. */
 export interface LatestStats {
   moving: FrameStats | null;
   /** `null` while the view is not at rest. */
@@ -11,6 +11,6 @@ export interface LatestStats {
 
 export const NO_STATS: LatestStats = { moving: null, settled: null };
 
-/** What is known once `stats` have come. */
+/** Adds new `stats`. */
 export const withStats = (before: LatestStats, stats: FrameStats): LatestStats =>
   stats.quality === "moving" ? { moving: stats, settled: null } : { ...before, settled: stats };

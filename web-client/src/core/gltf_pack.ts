@@ -36,7 +36,7 @@ export function sceneAmong<F>(given: readonly Given<F>[]): Found<F> {
 
 export const isGltf = (path: string): boolean => /\.gltf$/i.test(path);
 
-/** What a scene is called that comes from such a file; empty where nothing of the name can be one. */
+/** Name of a scene of such a file; empty if no part of the file's name can be one. */
 export function sceneNameOf(path: string): string {
   const stem = fileName(path).replace(SCENE_FILE, "");
   const printable = stem.replace(/\p{Cc}/gu, " ").trim();
@@ -48,8 +48,8 @@ interface Json {
   [name: string]: unknown;
 }
 
-/** Where the bytes of a buffer of the .gltf lie in the GLB. */
-interface Place {
+/** Range of the bytes of a buffer of the .gltf in the GLB. */
+interface BufferRange {
   buffer: number;
   byteOffset: number;
 }
@@ -58,7 +58,7 @@ interface Place {
 export function pack<F extends Sized>(scene: Given<F>, text: string, given: readonly Given<F>[]): Packed<F> {
   const root = parse(text);
   const outside = [...listOf(root, "buffers"), ...listOf(root, "images")].flatMap(outsideOf);
-  // What is no glTF either the server says best.
+  // The server has the best message for a file that is not glTF either.
   if (outside.length === 0) return { parts: [scene.file] };
   const find = finder(scene.path, given);
   const missing = [...new Set(outside.filter((uri) => find(uri) === undefined).map(decoded))];
@@ -67,7 +67,7 @@ export function pack<F extends Sized>(scene: Given<F>, text: string, given: read
     return { why };
   }
   const bin = startBin<F>();
-  const places: Place[] = [];
+  const places: BufferRange[] = [];
   /** The buffers that stay, behind the one of all files. */
   const kept: Json[] = [];
   for (const buffer of listOf(root, "buffers")) {
@@ -180,7 +180,7 @@ function typeOf(path: string): string {
 }
 
 /** The view, and what extensions such as EXT_meshopt_compression say of it, where its buffer lies now. */
-function moved(view: Json, places: readonly Place[]): Json {
+function moved(view: Json, places: readonly BufferRange[]): Json {
   const place = places[Number(view.buffer)];
   // It names no buffer of the file: the server says so.
   const own =

@@ -1,4 +1,4 @@
-// What can be grabbed on a light, and the command that each position of the pointer then means.
+// Handles of a light, and the command for each position of the pointer.
 //
 // A drag's command depends on where it began and where the pointer is now, never on the way between.
 
@@ -39,7 +39,7 @@ export const TURN_RADIUS_PX = 58;
 /** Cone angles that the model takes, degrees. */
 const CONE_ANGLES = { least: 0.1, most: 89.9 };
 
-/** How much nearer to the pointer a ring's far half must be than its near half to be grabbed, pixels. */
+/** Pixels by which a ring's far half must be nearer to the pointer than its near half to be grabbed. */
 const BEHIND_PX = 5;
 
 /** A light as it is drawn, and from where. */
@@ -48,7 +48,7 @@ export interface Drawn {
   light: Light;
   tube: Tube;
   view: View;
-  /** What becomes of its radii where a control point is dragged. */
+  /** Treatment of radii when a control point is dragged. */
   radii: DragRadii;
 }
 
@@ -76,7 +76,7 @@ export function handleName(handle: Handle): string {
   }
 }
 
-/** Where in the world a point handle is; a turning ring's is the source. */
+/** World position of a point handle; that of a turning ring is the source. */
 export function positionOf(handle: Handle, { light, tube, view }: Drawn): Vec3 {
   switch (handle.kind) {
     case "source":
@@ -113,7 +113,7 @@ export function grab(handle: Handle, drawn: Drawn, from: Pixel): (pointer: Pixel
   return (pointer) => pulled(handle, drawn, sub(inPlaneOf(view, pointer, at), grabbed));
 }
 
-/** What it means that `handle` is pulled by `way`, in the world. Of an edge counts how far that is across the tube. */
+/** Command for a pull of `handle` by `way`, in the world. For an edge only the part across the tube counts. */
 export function pulled(handle: Pulled, drawn: Drawn, way: Vec3): Command {
   const { id, light, tube, view, radii } = drawn;
   switch (handle.kind) {
@@ -172,7 +172,7 @@ function turning(drawn: Drawn, axis: Vec3, from: Pixel): (pointer: Pixel) => num
   if (a === null || b === null) return () => 0;
   const perRadian: Pixel = { x: (b.x - a.x) / step, y: (b.y - a.y) / step };
   const squared = perRadian.x ** 2 + perRadian.y ** 2;
-  // Where a ring runs towards the camera it hardly moves on the screen: this is how fast it turns there.
+  // A ring hardly moves on the screen while it runs towards the camera: this is its speed of rotation there.
   const least = (TURN_RADIUS_PX / 3) ** 2;
   return ({ x, y }) => ((x - from.x) * perRadian.x + (y - from.y) * perRadian.y) / Math.max(squared, least);
 }

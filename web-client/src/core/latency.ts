@@ -1,9 +1,9 @@
 // From a change sent to the first picture on the screen that shows it.
 
-/** What frames count: their header's `logSeq`, `liveRevision` and `cameraRevision`. */
+/** Counters of frames: their header's `logSeq`, `liveRevision` and `cameraRevision`. */
 export type Revision = "logSeq" | "liveRevision" | "cameraRevision";
 
-type Shown = Readonly<{ [R in Revision]: number }>;
+type FrameRevisions = Readonly<{ [R in Revision]: number }>;
 
 /** Frames that may have come before it was known which revision a change became. */
 const REMEMBERED_FRAMES = 32;
@@ -14,7 +14,7 @@ export interface LatencyMeter {
   /** A change sent at `sentMs` is in every picture whose `revision` is `value` or more. */
   expect(revision: Revision, value: number, sentMs: number): void;
   /** A picture is on the screen. */
-  shown(frame: Shown, nowMs: number): void;
+  shown(frame: FrameRevisions, nowMs: number): void;
   /** Median of the latest changes, milliseconds; `null` before the first. */
   medianMs(): number | null;
   /** Forgets what is awaited: revisions mean nothing on another connection. */
@@ -23,7 +23,7 @@ export interface LatencyMeter {
 
 export function latencyMeter(): LatencyMeter {
   let awaited: { revision: Revision; value: number; sentMs: number }[] = [];
-  let frames: { frame: Shown; atMs: number }[] = [];
+  let frames: { frame: FrameRevisions; atMs: number }[] = [];
   let measured: number[] = [];
 
   const record = (ms: number) => {

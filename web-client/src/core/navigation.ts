@@ -10,7 +10,7 @@ export interface Orbit {
   distance: number;
 }
 
-/** How close to straight up or down the camera may look, radians. */
+/** Minimum angle between the camera's direction and the vertical, radians. */
 const POLE_MARGIN = 0.02;
 /** The pivot's distance stays between these shares of the scene's diagonal. */
 const NEAREST = 1e-3;

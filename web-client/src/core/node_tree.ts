@@ -12,7 +12,7 @@ export interface TreeRow {
   node: TreeNode;
   /** From 1. */
   level: number;
-  /** Whether what is under it is shown; `null` where nothing is. */
+  /** True if the children are visible; `null` if there are none. */
   open: boolean | null;
   /** Among how many siblings it is which, from 1. */
   position: number;
@@ -43,12 +43,12 @@ export function treeOf(paths: readonly string[]): TreeNode[] {
   return roots;
 }
 
-/** What of the tree has `text` in its path, in any case, with all that leads there; all of it where the text is empty. */
+/** Filters the tree by `text` in paths, in any case, and keeps the ancestors of matches; an empty text keeps all. */
 export function filtered(roots: readonly TreeNode[], text: string): TreeNode[] {
   const wanted = text.trim().toLowerCase();
   if (wanted === "") return [...roots];
   return roots.flatMap((node) => {
-    // What is under a node that is wanted can be wanted too.
+    // Descendants of a match may be needed, too.
     if (node.path.toLowerCase().includes(wanted)) return [node];
     const children = filtered(node.children, text);
     return children.length === 0 ? [] : [{ ...node, children }];

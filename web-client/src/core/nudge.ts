@@ -22,8 +22,8 @@ export const STEP_PX = 2;
 const STEP_RADIANS = Math.PI / 360;
 
 /**
- * What steps from where `handle` is now mean. What can be moved goes in the picture's plane, or away from the eye; what
- * has a size becomes larger to the right and upwards, smaller to the left and downwards.
+ * Command for steps of `handle` from its present position. A point moves in the picture's plane, or away from the eye; a
+ * size grows to the right and upwards, and shrinks to the left and downwards.
  */
 export function nudge(handle: Handle, drawn: Drawn): (steps: Steps) => Command {
   const { light, tube, view } = drawn;

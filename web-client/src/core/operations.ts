@@ -1,4 +1,4 @@
-// What this page has asked for and not yet seen in the log.
+// Operations of this page that the log does not contain yet.
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 
@@ -9,7 +9,7 @@ import type { Change, ClientMessage, Command, EditResult, Record } from "./proto
 /** A request that ends in a record. */
 export type Request = Extract<ClientMessage, { type: "edit" | "undo" | "redo" }>;
 
-/** What is asked for, and what the server has made of it while it was dragged. */
+/** Requested change, and the server's changes for it during a drag. */
 export interface Underway {
   command: Command;
   changes: readonly Change[];

@@ -15,7 +15,7 @@ export interface Tube {
 const STEPS = 20;
 const RING_POINTS = 96;
 
-/** Where a light is, how it is turned and how large. */
+/** Position, rotation and scale of a light. */
 export type Transform = Light["transform"];
 
 export const toWorld = (transform: Transform, local: Vec3): Vec3 =>
@@ -47,7 +47,7 @@ export function tubeOf(light: Light, reach: number): Tube {
   };
 }
 
-/** How long a straight light's tube is, and how wide. */
+/** Length and width of a straight light's tube. */
 function straightTube(
   light: Exclude<Light, { type: "bendy" }>,
   reach: number,
@@ -94,7 +94,7 @@ export function sideways(tube: Tube, t: number, camera: Camera): Vec3 {
   return length(across) > 1e-6 ? unit(across) : perpendicular(tangent);
 }
 
-/** Where the tube's edge is seen, `R` sideways of the curve on either side. */
+/** Visible edges of the tube, `R` sideways of the curve on either side. */
 export function silhouette(tube: Tube, camera: Camera): { right: Vec3[]; left: Vec3[] } {
   const edge = (sign: number) =>
     samplesOf(tube.points.length, STEPS).map((t) => {

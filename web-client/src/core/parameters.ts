@@ -2,10 +2,10 @@
 
 import type { Command, Parameter, ParameterTable } from "./protocol";
 
-/** What has parameters: a light of a shape, a control point, a camera. */
+/** Owner of parameters: a light of a shape, a control point, a camera. */
 export type Owner = Parameter["of"][number];
 
-/** What a parameter's values are. */
+/** Kind of a parameter's values. */
 export type Kind = Parameter["kind"];
 export type NumberKind = Extract<Kind, { type: "number" }>;
 
@@ -29,7 +29,7 @@ export function sectionsOf(table: ParameterTable, owner: Owner): Section[] {
   return groups.map((group) => ({ group, rows: rows.filter((row) => row.group === group) }));
 }
 
-/** Whether a picture can show the row's value of this owner, whose JSON is given, as the owner is now. */
+/** True if a picture can show the row's value of this owner, whose JSON is given. */
 export function hasEffect(table: ParameterTable, owner: Owner, row: Parameter, json: object): boolean {
   const { needs, idleOf = [] } = row;
   if (idleOf.includes(owner)) return false;
@@ -43,7 +43,7 @@ export function hasEffect(table: ParameterTable, owner: Owner, row: Parameter, j
 /** A number is an index in a list. */
 type Path = readonly (string | number)[];
 
-/** Where a value stands in a light's or camera's JSON; that of a control point stands in a list of its light's. */
+/** Path of a value in a light's or camera's JSON; that of a control point is in a list of its light's. */
 function pathOf(path: string, point?: number): Path {
   const steps = path.split("/");
   return point === undefined ? steps : [...steps, point];
@@ -87,7 +87,7 @@ function withValueAt(json: unknown, [step, ...further]: Path, value: unknown): u
   return changed === null || changed === undefined ? others : { ...others, [step]: changed };
 }
 
-/** Whether a picture can show that the owner's `values`, by the names of rows, have changed (SPEC, FRAME-7). */
+/** True if a picture can show that the owner's `values`, by the names of rows, have changed (SPEC, FRAME-7). */
 export const touchPicture = (table: ParameterTable, owner: Owner, values: object): boolean =>
   Object.keys(values).some((name) => rowOf(table, owner, name)?.touches !== "nothing");
 
@@ -101,7 +101,7 @@ export function setParameter(light: number, { name }: Parameter, value: unknown,
   return command as Command;
 }
 
-/** Whether two values of a parameter are the same. */
+/** True if two values of a parameter are the same. */
 export const isSameValue = (a: unknown, b: unknown): boolean => JSON.stringify(a) === JSON.stringify(b);
 
 const isOptional = (kind: Kind): boolean =>
@@ -120,7 +120,7 @@ export function clampTo(kind: NumberKind, value: number): number {
   return Math.min(Math.max(value, min), max);
 }
 
-/** Where a step from one number to another ends: on the slider it stays on it, and what lies beyond is typed. */
+/** End of a step from one number to another: a step stays on the slider; numbers beyond it are typed. */
 export function stepTo(kind: NumberKind, from: number, wanted: number): number {
   const [least, most] = kind.slider ?? [-Infinity, Infinity];
   const isOn = least <= from && from <= most;

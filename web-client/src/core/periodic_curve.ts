@@ -5,7 +5,7 @@ export type PeriodicCurve = readonly Knot[] | null;
 export type Knot = readonly [degrees: number, value: number];
 
 const TURN = 360;
-/** How near two knots may come on the page, degrees. */
+/** Minimum distance of two knots on the page, degrees. */
 const NEAREST = 0.1;
 
 /** The number at an angle: linear from knot to knot, and around from the last to the first. */

@@ -3,19 +3,19 @@
 
 import { type FrameHeader, HEADER_BYTES, isWhole, readHeader } from "./frame";
 
-/** A tile of a frame that is decoded. */
-export interface Shown<T> {
+/** Decoded tile of a frame. */
+export interface DecodedTile<T> {
   header: FrameHeader;
   picture: T;
 }
 
-/** How a frame gets from bytes to the screen; `T` is what lies between. */
+/** Path of a frame from bytes to the screen; `T` is the form between them. */
 export interface PictureSink<T> {
   decode(header: FrameHeader, payload: ArrayBuffer): Promise<T>;
   /** Runs `task` when a picture may be drawn. */
   beforeRepaint(task: () => void): void;
   /** Puts decoded tiles of a frame on the screen, on what is there. */
-  draw(tiles: readonly Shown<T>[]): void;
+  draw(tiles: readonly DecodedTile<T>[]): void;
   /** All of a frame is on the screen, by the header of its last tile. */
   shown(header: FrameHeader): void;
   /** The frame was shown, or another one later than it. */
@@ -95,7 +95,7 @@ export function pictures<T>(sink: PictureSink<T>): Pictures {
     tornBy = frame;
   }
 
-  /** Whether what the tiles go onto could not be decoded, or another tile of theirs. */
+  /** True if the picture under the tiles could not be decoded, or another of these tiles. */
   function isLacking(tiles: readonly Waiting[]): boolean {
     const needsNothing = ({ header }: Waiting) =>
       header.frame !== tornBy && (header.key || header.settle || isWhole(header));

@@ -1,9 +1,9 @@
-// Where a new light goes: in sight, beside the eye's way to what it looks at, and as bright there as a lit scene is.
+// Position of a new light: visible, beside the line from the eye to its target, and as bright there as a lit scene is.
 
 import type { Camera, Spot } from "./protocol";
 import { add, cross, fromAxes, length, rotate, scale, sub, unit, type Quat, type Vec3 } from "./vector";
 
-/** How irradiance falls with distance. */
+/** Falloff of irradiance with distance. */
 export type Decay = Spot["decay"];
 
 /** A light's place, and how far it is from what it is aimed at. */
@@ -25,7 +25,7 @@ const ASIDE: readonly Vec3[] = [
 ];
 /** A wide lens sees far to all sides: a half is no more than this share of the way to the eye. */
 const WIDEST_HALF = 0.5;
-/** What arrives on a white surface that it faces makes its radiance 1: all of the screen's range, and no more. */
+/** Irradiance that gives a white surface a radiance of 1: all of the screen's range, and no more. */
 const IRRADIANCE = Math.PI;
 
 /** Sources in sight of `camera`, aimed at `aim`, in the order in which they are to be tried: something may stand between. */

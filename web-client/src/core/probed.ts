@@ -1,4 +1,4 @@
-// What of a probe's answer is shown, and in which order.
+// Displayed parts of a probe's answer, in their order.
 
 import type { LightId } from "./ids";
 import type { Probed, ProbedLight } from "./protocol";

@@ -4,15 +4,15 @@ import type { Pixel, Size } from "./camera";
 import type { Host } from "./connection";
 import type { ClientMessage, ProbeAnswer, Probed } from "./protocol";
 
-/** What wants to know: the panel at the pointer, a drag that snaps, a light that is aimed, an object that is linked, what a tool would take, and what it
- * takes, a view that turns. */
+/** Purpose of a probe: the panel at the pointer, a drag that snaps, a light that is aimed, an object that is linked, a tool's feature under the
+ * pointer and the grabbed one, a view that turns. */
 export type Asker = "panel" | "snap" | "aim" | "link" | "hover" | "tool" | "orbit";
 
 /** A pixel of a picture of one's view, which is `size` pixels large. */
 export interface PixelQuestion {
   pixel: Pixel;
   size: Size;
-  /** Whether it is asked where highlights lie. */
+  /** True if the positions of highlights are queried. */
   highlights?: boolean;
 }
 

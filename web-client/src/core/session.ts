@@ -33,15 +33,15 @@ import type {
 import { type Viewer, viewing } from "./viewer";
 
 export interface Session {
-  /** What can be set. */
+  /** Parameters of the server. */
   table: ParameterTable;
   connection: ReadonlySignal<ConnectionState>;
-  /** What the log says. */
+  /** Document of the log. */
   mirror: ReadonlySignal<Mirror>;
   /** The mirror with everybody's drags and this page's own edits under way. */
   document: ReadonlySignal<Document>;
   bounds: ReadonlySignal<Bounds>;
-  /** What of the scene's file is not drawn or was changed, a sentence each. */
+  /** Parts of the scene's file that are not drawn or were changed, a sentence each. */
   notes: ReadonlySignal<readonly string[]>;
   /** This client's number. */
   client: ReadonlySignal<ClientId | null>;
@@ -50,12 +50,12 @@ export interface Session {
   /** Drags by others. */
   gestures: ReadonlySignal<readonly GestureState[]>;
   ownDrag: ReadonlySignal<OwnDrag | null>;
-  /** What undo and redo would take back; `null` before the server has said so. */
+  /** Steps that undo and redo would take; `null` before the server has sent them. */
   history: ReadonlySignal<History | null>;
   /** The picture on the screen. */
   frame: ReadonlySignal<FrameHeader | null>;
   statistics: ReadonlySignal<Statistics>;
-  /** What the latest pictures came to, while that is asked for. */
+  /** Statistics of the latest pictures, while they are requested. */
   frameStats: ReadonlySignal<LatestStats>;
   viewer: Viewer;
   /** Asks what is seen at a pixel, and what each light does there. */
@@ -78,17 +78,17 @@ export interface SessionOptions<T> {
   host: Host;
   token: string;
   session: string;
-  /** Of the server, which says it before it is connected to. */
+  /** Parameters of the server, which sends them before the connection. */
   table: ParameterTable;
   actor: Actor;
   screen: Screen<T>;
   /** A sentence for the person at the page. */
   notify(message: string): void;
-  /** What the list of sessions says of it was changed. */
+  /** Reports a changed entry in the list of sessions. */
   listed(listed: Listed): void;
 }
 
-/** What the list of sessions says of one. */
+/** Entry of a session in the list. */
 export interface Listed {
   title: string;
   archived: boolean;

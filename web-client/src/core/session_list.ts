@@ -1,4 +1,4 @@
-// What the list of sessions says, in words, and the names of new ones.
+// Texts of the list of sessions, and names of new ones.
 
 import type { SessionEntry } from "./protocol";
 
@@ -9,7 +9,7 @@ const LONGEST_TITLE_BYTES = 256;
 /** Bytes of " copy" and a number. */
 const ROOM_FOR_COPY = 16;
 
-/** What a session is called whose maker has not said. */
+/** Title of a session without one. */
 export const UNTITLED = "Untitled";
 
 /** The latest change first; what has none by when it was made. */
@@ -48,12 +48,12 @@ export function freeTitle(wanted: string, titles: ReadonlySet<string>): string {
   }
 }
 
-/** What a copy of `title` is called beside `titles`: "Shot copy", then "Shot copy 2", also of a copy. */
+/** Title of a copy of `title` beside `titles`: "Shot copy", then "Shot copy 2", also of a copy. */
 export function copyTitle(title: string, titles: ReadonlySet<string>): string {
   return freeTitle(`${clipBytes(title.replace(/ copy( \d+)?$/, ""))} copy`, titles);
 }
 
-/** As much of a title as leaves room for what comes behind it. */
+/** Shortens a title so that there is room for a suffix. */
 function clipBytes(title: string): string {
   let bytes = 0;
   const fits = [...title].filter((letter) => {
@@ -63,7 +63,7 @@ function clipBytes(title: string): string {
   return fits.join("").trimEnd();
 }
 
-/** Of a letter in UTF-8. */
+/** Number of bytes of a letter in UTF-8. */
 const bytesOf = (code: number) => (code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4);
 
 const MINUTE_MS = 60_000;
@@ -72,7 +72,7 @@ const DAY_MS = 24 * HOUR_MS;
 
 const several = (count: number, what: string) => (count === 1 ? `a ${what}` : `${count} ${what}s`);
 
-/** How long ago a moment was, both in milliseconds since 1970; past a month the day. */
+/** Age of a moment, both in milliseconds since 1970; past a month the day. */
 export function agoText(timeMs: number, nowMs: number): string {
   const ago = nowMs - timeMs;
   if (ago < MINUTE_MS) return "just now";
@@ -88,7 +88,7 @@ export function changeText({ changed, madeMs }: SessionEntry, nowMs: number): st
   return madeMs === null ? "not edited yet" : `made ${agoText(madeMs, nowMs)}`;
 }
 
-/** Who is in a session, as far as a line has the room. */
+/** Names of the people in a session, as many as fit in a line. */
 export function peopleText(people: readonly string[]): string {
   const [first, second, ...others] = people;
   if (first === undefined) return "";

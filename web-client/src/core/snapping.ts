@@ -10,7 +10,7 @@ import { add, scale, sub } from "./vector";
 /** A source lies this much of the scene's diagonal above its surface: in it, it would light one side or the other. */
 const SOURCE_LIFT = 1e-4;
 
-/** What it means to lay `handle` on `surface`. */
+/** Command that lays `handle` on `surface`. */
 export function laidOn(handle: Movable, drawn: Drawn, surface: ProbedSurface, bounds: Bounds): Command {
   const lift = handle.kind === "source" ? SOURCE_LIFT * diagonal(bounds) : 0;
   const to = add(surface.position, scale(surface.normal, lift));

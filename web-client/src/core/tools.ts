@@ -1,4 +1,4 @@
-// What a press on the picture takes: features of lights, which are dragged to where they should be, and places that are pinned.
+// Tools on the picture: features of lights, which are dragged, and points that are pinned.
 
 import type { Pixel, Size } from "./camera";
 import { lightOf } from "./document";
@@ -24,18 +24,18 @@ export type Tool = "select" | DragKind | "pin";
 
 export const TOOLS: readonly Tool[] = ["select", ...FEATURES, "pin"];
 
-/** What a light may do to follow a feature that is dragged. */
+/** Freedom of a light that follows a dragged feature. */
 export interface Following {
-  /** Whether it bends; else it moves as a whole. */
+  /** True if the light bends; else it moves as a whole. */
   bends: boolean;
   /** Control points that stay where they are, of those that can be dragged at all. */
   resting: ReadonlySet<number>;
   radii: DragRadii;
-  /** Whether the source may not go through a surface. */
+  /** True if the source may not pass through a surface. */
   sourceOutside: boolean;
 }
 
-/** Whether a tool drags features. */
+/** True if a tool drags features. */
 export const dragsFeatures = (tool: Tool): tool is DragKind => tool !== "select" && tool !== "pin";
 
 /** Rec. 709's luminance. */
@@ -79,7 +79,7 @@ export interface Seen {
   size: Size;
 }
 
-/** What takes the feature from `from` to `to`, in the picture's pixels. */
+/** Command that drags the feature from `from` to `to`, in the picture's pixels. */
 export function featureDrag(
   kind: DragKind,
   [id, light]: [LightId, Light],
@@ -112,7 +112,7 @@ const LIMITS: { [L in DragLimit]: string } = {
   tooMuchWork: "too much work; choose fewer control points or remove pins",
 };
 
-/** What is said of a drag that has not landed, or whose shadow is another's too; `null` where all is well. */
+/** Sentence for a drag that has not landed, or whose shadow is another's too; `null` otherwise. */
 export function outcomeText({ status, limit, residualPx, shadowedBy }: DragOutcome): string | null {
   if (status === "limited") {
     const short = residualPx === null ? "Out of the picture" : `${residualPx.toFixed(1)} px short`;
@@ -130,7 +130,7 @@ export const PIN_TEXTS: { [K in PinKind]: string } = {
   shadow: "This shadow",
 };
 
-/** What of the light stays at what was found, or why nothing can. */
+/** Pin for a probed point, or the reason why there can be none. */
 export function pinAt(kind: PinKind, hard: boolean, light: LightId, found: Probed): Pin | string {
   const probed = found.lights.find((other) => other.light === light);
   if (found.seen === null || probed === undefined) return "Nothing is seen here: pin a surface";

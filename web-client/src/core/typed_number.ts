@@ -1,9 +1,9 @@
-// What people type into a field for a number: sums, products of what it is now, shares of it, units.
+// Text in a field for a number: sums, products and shares of the present value, and units.
 
-/** What was typed, or why it says nothing. */
+/** Number in a text, or the reason why there is none. */
 export type Typed = { value: number } | { problem: string };
 
-/** What a number with a unit counts in the field's own: each name with how many of those it is. */
+/** Units of a number: each name with the count of the field's own unit. */
 type Units = { [name: string]: number };
 
 const DEGREES: Units = { "°": 1, deg: 1, degrees: 1, rad: 180 / Math.PI, turn: 360 };

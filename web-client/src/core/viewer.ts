@@ -1,4 +1,4 @@
-// Where this page looks from: its own camera, or another client's view. Never logged (SPEC, SOCK-7).
+// View of this page: its own camera, or the view of another client. Never logged (SPEC, SOCK-7).
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
 
@@ -25,15 +25,15 @@ export interface Viewer {
   /** One's own camera; `null` before the first welcome. */
   own: ReadonlySignal<Orbit | null>;
   following: ReadonlySignal<ClientId | null>;
-  /** What is one's own besides the camera. */
+  /** Own settings besides the camera. */
   settings: ReadonlySignal<ViewSettings>;
   /** The same of the view that is shown: one's own, or of who is followed. */
   shownSettings: ReadonlySignal<ViewSettings>;
-  /** What of one's own pictures may be reduced while something moves. */
+  /** Reductions of own pictures that are allowed while something moves. */
   interaction: ReadonlySignal<Interaction>;
-  /** Whether the server tells what each picture came to. */
+  /** True if the server sends statistics of each picture. */
   stats: ReadonlySignal<boolean>;
-  /** Of one's own pictures; `null` before the stage has one. */
+  /** Size of own pictures; `null` before the stage has one. */
   size: ReadonlySignal<Size | null>;
   /** Numbers one's own cameras; pictures from the latest carry it. */
   revision: ReadonlySignal<number>;
@@ -68,7 +68,7 @@ export interface ViewerParts {
   latency: LatencyMeter;
 }
 
-/** As every view is at first. */
+/** Settings of a new view. */
 const UNCHANGED: ViewSettings = { exposure: 0, solo: [] };
 
 /** Pictures come quickly enough, however many pixels and texels they have for that. */
@@ -86,9 +86,9 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
   const settings = signal<ViewSettings>(UNCHANGED);
   const interaction = signal<Interaction>(REDUCED);
   const stats = signal(false);
-  /** Whether the server was asked for them. */
+  /** True if the statistics were requested from the server. */
   let isAsked = false;
-  /** What is to be sent before the next repaint; each has a revision of its own, that of the settings after the camera's. */
+  /** Changes to send before the next repaint; each has a revision of its own, that of the settings after the camera's. */
   let [moved, isSet] = [false, false];
 
   function remember(camera: Camera, number: number): void {
@@ -180,7 +180,7 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
     move,
     set(changed) {
       settings.value = { ...settings.value, ...changed };
-      // Who follows sees the followed one's; one's own are sent with one's own view.
+      // A follower has the settings of the followed view; its own are sent with its own view.
       if (own.value !== null && size.value !== null && following.value === null) schedule("settings");
     },
     allow(allowed) {

@@ -1,4 +1,4 @@
-// What the page's address says: `#token=HEX&session=NAME`. A fragment is never sent to a server.
+// Address of the page: `#token=HEX&session=NAME`. A fragment is never sent to a server.
 
 const TOKEN_KEY = "bendylights.token";
 

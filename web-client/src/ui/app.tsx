@@ -77,7 +77,7 @@ export function Refusal({ why, again }: RefusalProps) {
 }
 
 interface SignInProps {
-  /** What the server says of the token that was tried; nothing before the first. */
+  /** Message of the server about the last token; none before the first. */
   why?: string;
 }
 

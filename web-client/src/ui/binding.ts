@@ -1,4 +1,4 @@
-// How a control changes a value of the document, apart from how it looks.
+// Bindings of controls to values of the document, apart from their looks.
 
 import { useRef } from "preact/hooks";
 
@@ -19,7 +19,7 @@ export interface ValueDrag<V> {
   cancel(): void;
 }
 
-/** What `command` makes of a light. */
+/** Binds the value of a light that `command` sets. */
 export function lightBinding<V>(
   session: Session,
   light: LightId,

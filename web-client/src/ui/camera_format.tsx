@@ -10,7 +10,7 @@ import { Choice, NumberField } from "./fields";
 import { canEdit, type Page, usePage } from "./page";
 import { Row } from "./row";
 
-/** What a number that is typed may be; a strip of film is never wider or narrower. */
+/** Range of typed numbers; film is never wider or narrower. */
 const NARROWEST = 0.1;
 const WIDEST = 10;
 
@@ -27,7 +27,7 @@ export function CameraFormat() {
   const seen = seenCamera(page, own.value.camera);
   const props = {
     label: "Format",
-    doc: `Width over height of what ${seen === undefined ? "your view" : "this camera"} frames: the gate shows it, and render writes it.`,
+    doc: `Width over height of what ${seen === undefined ? "your view" : "this camera"} frames: the gate shows it. Pictures of it have this shape.`,
     disabled: following.value !== null || (seen !== undefined && !canEdit(page)),
   };
   const show = (ratio: number) =>

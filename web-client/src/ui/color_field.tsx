@@ -8,7 +8,7 @@ import { Row } from "./row";
 const linearFromSrgb = (c: number) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
 const srgbFromLinear = (c: number) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
 
-/** As fields of the browser say it: "#rrggbb" in sRGB. */
+/** Color as fields of the browser write it: "#rrggbb" in sRGB. */
 export function hexOf(color: Vec3): string {
   const byte = (c: number) => Math.round(srgbFromLinear(Math.min(Math.max(c, 0), 1)) * 255);
   return `#${color.map((c) => byte(c).toString(16).padStart(2, "0")).join("")}`;

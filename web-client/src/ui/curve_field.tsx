@@ -17,7 +17,7 @@ import { Row } from "./row";
 
 export type CurveKind = Extract<Kind, { type: "periodicCurve" }>;
 
-/** What one arrow key and one pixel of a scrub turn a knot by, degrees. */
+/** Degrees that one arrow key and one pixel of a scrub turn a knot. */
 const TURN_STEP = 1;
 /** Points of the picture, one for every two degrees. */
 const STEPS = 180;
@@ -87,7 +87,7 @@ export function CurveField({ kind, ...props }: FieldProps<PeriodicCurve> & { kin
   );
 }
 
-/** What the knots make of a circle, as seen along the light. */
+/** Outline that the knots make of a circle, as seen along the light. */
 function Outline({ knots, max }: { knots: readonly Knot[]; max: number }) {
   const points = outlineOf(knots, STEPS).map((point) => point.map((x) => (x / max).toFixed(3)).join(","));
   return (

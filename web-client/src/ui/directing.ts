@@ -1,4 +1,4 @@
-// What turns the selected light to a place in the picture, and the viewer to where the light stands.
+// Aims the selected light at a point of the picture, and moves the viewer to the light's source.
 
 import { aimedAt, cameraThrough } from "../core/aiming";
 import { lightName, lightOf } from "../core/document";
@@ -8,11 +8,11 @@ import { questionAt, type PixelQuestion } from "../core/probing";
 import { isFree } from "./light_actions";
 import type { Page } from "./page";
 
-/** Whether a click in the picture aims a light. */
+/** True if a click in the picture aims a light. */
 export const isAiming = ({ aiming, selectedLight }: Page): boolean =>
   aiming.value !== "off" && selectedLight.value !== null;
 
-/** Whether the light shines more to one side than to others, and is free. */
+/** True if the light has a direction, and is free. */
 export const canAim = (page: Page, id: LightId): boolean =>
   isFree(page, id) && lightOf(page.session.document.value, id)?.type !== "omni";
 

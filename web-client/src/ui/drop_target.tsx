@@ -1,12 +1,13 @@
 // Files that are dropped anywhere on the page.
 
+import type { ReadonlySignal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 
 import { droppedFiles, hasFiles } from "./given_files";
 import { type SceneOpening, useOpening } from "./opening";
 
-/** Says that files can be let go of, while they are over the page, and takes them. What is dropped never leads the page away. */
-export function DropTarget() {
+/** Says that files can be let go of, while they are over the page, and takes them, under `title` where one is typed. What is dropped never leads the page away. */
+export function DropTarget({ title }: { title?: ReadonlySignal<string> }) {
   const opening = useOpening();
   const [over, setOver] = useState(false);
   useEffect(() => {
@@ -25,9 +26,9 @@ export function DropTarget() {
     addEventListener("dragleave", ({ relatedTarget }) => relatedTarget === null && setOver(false), {
       signal,
     });
-    addEventListener("drop", (event) => drop(event, opening, setOver), { signal });
+    addEventListener("drop", (event) => drop(event, opening, setOver, title), { signal });
     return () => listening.abort();
-  }, [opening]);
+  }, [opening, title]);
   return over ? (
     <div class="drop-target" role="status">
       <p>Let go to open a scene: a .glb, a .gltf with its files, or a folder</p>
@@ -38,7 +39,12 @@ export function DropTarget() {
 const isField = (target: EventTarget | null): boolean =>
   target instanceof HTMLElement && target.matches("input, textarea");
 
-function drop(event: DragEvent, opening: SceneOpening, setOver: (over: boolean) => void): void {
+function drop(
+  event: DragEvent,
+  opening: SceneOpening,
+  setOver: (over: boolean) => void,
+  title?: ReadonlySignal<string>,
+): void {
   setOver(false);
   if (!hasFiles(event)) {
     if (!isField(event.target)) event.preventDefault();
@@ -48,7 +54,7 @@ function drop(event: DragEvent, opening: SceneOpening, setOver: (over: boolean) 
   void droppedFiles(event).then(
     (given) => {
       if (given === null) opening.fail("These are too many files for a scene: drop the scene's own folder.");
-      else opening.open(given);
+      else opening.open(given, title?.value.trim());
     },
     () =>
       opening.fail(

@@ -19,20 +19,20 @@ export interface FieldProps<V> extends RowProps {
 export interface NumberProps extends FieldProps<number> {
   /** The nearest number that may be set. */
   clamp?: (value: number) => number;
-  /** What one arrow key and one pixel of a scrub change it by. */
+  /** Change by one arrow key or one pixel of a scrub. */
   step: number;
-  /** Where a step by an arrow key ends, if not where it wants to or at the nearest number that may be set. */
+  /** End of a step by an arrow key, if it is not `wanted` or the nearest number in range. */
   stepTo?: (from: number, wanted: number) => number;
   unit?: string | undefined;
-  /** What it counts in, where that has no room beside it. */
+  /** Unit, if it has no room beside the field. */
   countsIn?: string | undefined;
-  /** How exactly it is shown. */
+  /** Number of decimals. */
   decimals?: number;
 }
 
 const whatever = (value: number) => value;
 
-/** How long it is said that a number was the nearest that may be set. */
+/** Time that the note of a clamped number is visible. */
 const NOTE_MS = 4000;
 
 /** A number to type, to step by arrow keys and, where it has a tag, to scrub by dragging that. */
@@ -53,10 +53,10 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
   const { presses } = usePage();
   const shown = formatNumber(value, decimals);
   const [draft, setDraft] = useState<string | null>(null);
-  /** What is to be said of what was typed. */
+  /** Note about the typed text. */
   const [note, setNote] = useState<{ text: string; isWrong: boolean } | null>(null);
   const noteId = useId();
-  // What was taken otherwise is said for a while; what was not is said until it is mended.
+  // The note of a clamped number is visible for a while; that of a wrong text until it is corrected.
   useEffect(() => {
     if (note === null || note.isWrong) return undefined;
     const timer = setTimeout(() => setNote(null), NOTE_MS);
@@ -156,7 +156,7 @@ const AXES = ["X", "Y", "Z"] as const;
 interface VectorProps extends FieldProps<Vec3> {
   step: number;
   tags?: readonly [string, string, string];
-  /** Of each component. */
+  /** Range of each component. */
   clamp?: (value: number) => number;
 }
 

@@ -5,9 +5,13 @@ import type { Given } from "../core/gltf_pack";
 /** Files of a folder past which it is no scene's: somebody has dropped a disk. */
 const MOST_FILES = 20_000;
 
+/** Input of the latest dialog. A browser may collect an input that nothing refers to while its dialog is open, and no
+ * files arrive. */
+let input: HTMLInputElement;
+
 /** Lets a person pick files, or with `folder` a folder with all that is in it. */
 export function pickFiles(folder: boolean, picked: (given: Given<File>[]) => void): void {
-  const input = document.createElement("input");
+  input = document.createElement("input");
   input.type = "file";
   input.multiple = true;
   input.webkitdirectory = folder;
@@ -18,7 +22,7 @@ export function pickFiles(folder: boolean, picked: (given: Given<File>[]) => voi
   input.click();
 }
 
-/** Whether something that is dragged has files in it. */
+/** True if a dragged thing contains files. */
 export const hasFiles = ({ dataTransfer }: DragEvent): boolean =>
   dataTransfer?.types.includes("Files") === true;
 

@@ -10,9 +10,9 @@ import { followPointer } from "./pointer";
 
 export interface Grabbed {
   drawn: Drawn;
-  /** What the pointer's positions mean, from where it has grabbed something. */
+  /** Begins a drag at `from`. Returns the command for each position of the pointer. */
   grab(from: Pixel): (pointer: Pixel) => Command;
-  /** What can be laid on surfaces, if that is dragged. */
+  /** Dragged thing that can be laid on surfaces, if it is one. */
   movable: Movable | null;
 }
 
@@ -26,7 +26,7 @@ export function dragHandle(down: PointerEvent, page: Page, { drawn, grab, movabl
   const command = grab(inPicture(stage, down));
   const { session } = page;
   const drag = session.drag(drawn.id);
-  /** How far what is dragged stays behind the pointer, for the ways that it went with Shift. */
+  /** Distance of the dragged thing behind the pointer, from moves with Shift. */
   const behind: Pixel = { x: 0, y: 0 };
   const snap = snapping(
     (pixel, onProbed) => {

@@ -19,7 +19,7 @@ const WAYS: { [key: string]: Steps } = {
 /** The same key on two kinds of keyboards. */
 const REMOVERS = ["Delete", "Backspace"];
 
-/** What a key does at `handle`; other keys are the page's. */
+/** Carries out a key at `handle`; other keys are the page's. */
 export function pressHandle(event: KeyboardEvent, page: Page, handle: Handle, drawn: Drawn): void {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "Enter") page.presses.commit();
@@ -51,7 +51,7 @@ function press(event: KeyboardEvent, page: Page, handle: Handle, drawn: Drawn, w
 /** Removes the control point, or at its source the light; both can be undone. */
 function remove(event: KeyboardEvent, page: Page, handle: Handle, { id, light }: Drawn): void {
   const stage = (event.currentTarget as Element).closest<HTMLElement>(".stage");
-  // What has the focus goes.
+  // The focus returns to the stage, because the focused element disappears.
   const leave = () => stage?.focus();
   if (handle.kind === "source") removeLight(page, id, leave);
   if (handle.kind !== "point" || light.type !== "bendy") return;

@@ -1,4 +1,4 @@
-// What is said of handles.
+// Texts of handles.
 //
 // To screen readers a handle is a slider: on one they pass arrow keys on to the page, and say the value that a press has
 // made. What moves in two directions is one slider with all of it in its text, as in colour pickers.
@@ -11,7 +11,7 @@ import type { Light } from "../core/protocol";
 import { toEulerDegrees, type Vec3 } from "../core/vector";
 import { formatNumber } from "./format";
 
-/** What a handle does, for the pointer that rests on it. */
+/** Tooltip of a handle: the effect of a drag. */
 export function titleOf(handle: Handle): string {
   switch (handle.kind) {
     case "source":

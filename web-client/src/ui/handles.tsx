@@ -1,4 +1,4 @@
-// What can be grabbed on the selected light, by pointer or by keys.
+// Handles of the selected light, for the pointer and for keys.
 
 import type { JSX } from "preact";
 
@@ -31,7 +31,7 @@ interface HandlesProps {
 }
 
 const AXES: readonly Axis[] = [0, 1, 2];
-/** How far around a handle the pointer still grabs it, pixels. */
+/** Maximum distance in pixels from which the pointer grabs a handle. */
 export const REACH_PX = 12;
 
 export function Handles({ drawn, locked }: HandlesProps) {
@@ -73,7 +73,7 @@ interface HandleProps<H extends Handle = Handle> {
   props: GroupProps;
 }
 
-/** What a handle is to the keyboard, the pointer and screen readers. */
+/** Properties of a handle for the keyboard, the pointer and screen readers. */
 type GroupProps = JSX.IntrinsicElements["g"];
 
 function PointHandle({ handle, drawn, props }: HandleProps) {

@@ -10,11 +10,11 @@ import { QuietButton } from "./quiet_button";
 import { takeTool } from "./tools";
 
 interface Hint {
-  /** Where that is what it speaks of, in the world of the demo. */
+  /** Point of the demo's world that the hint is about. */
   at: Vec3;
   text: string;
   tool: Tool;
-  /** What takes up the tool. */
+  /** Button that selects the tool. */
   button: string;
 }
 
@@ -29,7 +29,7 @@ const HINTS: readonly Hint[] = [
   },
   {
     at: [-0.62, 0.35, 0.5],
-    text: "Pin this vase: click it with the tool Pin, and it keeps its look while you drag the shadow.",
+    text: "Pin this vase: click it with the tool Pin. That point keeps its look while you drag the shadow.",
     tool: "pin",
     button: "Pin (6)",
   },
@@ -39,7 +39,7 @@ interface HintsProps {
   view: View;
   /** The picture's upper left corner in the stage. */
   at: Pixel;
-  /** Of the stage. */
+  /** Size of the stage. */
   size: Size;
 }
 
@@ -61,7 +61,7 @@ export function Hints({ view, at, size }: HintsProps) {
   const said = HINTS[number];
   if (said === undefined || session.document.value.scene?.name !== DEMO) return null;
   const pixel = project(view, said.at);
-  // What goes on under the hand needs the room.
+  // A drag needs the room.
   if (pixel === null || !isInPicture(view, pixel) || session.ownDrag.value !== null) return null;
   const { x, y } = { x: at.x + pixel.x, y: at.y + pixel.y };
   const next = () => {

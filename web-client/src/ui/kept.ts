@@ -1,5 +1,5 @@
-// What stays of a session's page over a reload of its tab: from where it looks, what is selected, the tool, what is shown.
-// Of the browser: whether its person has seen the hints.
+// State of a session's page that a reload of its tab keeps: camera, selection, tool, and visible panels.
+// State of the browser: its user has seen the hints.
 
 import type { Orbit } from "../core/navigation";
 import type { ViewSettings } from "../core/protocol";
@@ -20,7 +20,7 @@ interface Kept {
 
 const HINTS_KEY = "bendylights.hints";
 
-/** Whether this browser has shown the demo's hints to their end. */
+/** True if this browser has shown the demo's hints to their end. */
 export const areHintsSeen = (): boolean => localStorage.getItem(HINTS_KEY) === "seen";
 
 export const keepHintsSeen = (): void => localStorage.setItem(HINTS_KEY, "seen");

@@ -1,4 +1,4 @@
-// What keys and the pointer do, on demand.
+// List of keys and of actions of the pointer, on demand.
 
 import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -47,8 +47,8 @@ export const SESSION_KEYS: Keys = [
       ["Tab", "Go to the next one"],
       ["Drag, arrows", "Move, widen or turn it"],
       ["Page Up, Page Down", "Move it away from the eye, or back"],
-      ["Drag an arrow", "Move it along one axis, or towards you"],
-      ["Ctrl while dragging", "Lay it on the surface under the pointer"],
+      ["Drag an arrow", "Move it along one axis, or along your line of sight"],
+      ["Ctrl while dragging", "Reverse Snap: lay it on the surface under the pointer, or not"],
       ["Shift while dragging", "Move it a tenth as far"],
       ["Shift with keys", "Ten steps at once"],
       ["Escape", "Take back what is under way"],
@@ -94,7 +94,7 @@ export const SESSION_KEYS: Keys = [
   ],
 ];
 
-/** Whether a click is beside the dialog: the darkened rest of the page is a part of it. */
+/** True if a click is beside the dialog: the darkened rest of the page is a part of it. */
 function isOutside({ currentTarget, clientX, clientY }: MouseEvent): boolean {
   const { left, right, top, bottom } = (currentTarget as Element).getBoundingClientRect();
   return clientX < left || clientX > right || clientY < top || clientY > bottom;

@@ -77,7 +77,7 @@ function leaving(page: Page): (() => void) | null {
   return () => takeTool(page, "select");
 }
 
-/** What the key does to the selected light. */
+/** Task of a key for the selected light. */
 function taskForLight(page: Page, key: string): (() => void) | null {
   const { selectedLight, session } = page;
   const light = selectedLight.value;

@@ -1,14 +1,14 @@
-// What can be done to a light as a whole, by buttons and by keys.
+// Actions on a light as a whole, by buttons and by keys.
 
 import { copyName, lightOf } from "../core/document";
 import type { LightId } from "../core/ids";
 import type { Light } from "../core/protocol";
 import { canEdit, holderOf, type Page } from "./page";
 
-/** Whether it is switched off, for everybody. */
+/** True if the light is switched off, for everybody. */
 export const isMuted = (light: Light): boolean => light.enabled === false;
 
-/** Whether nobody else drags the light, and edits can be made at all. */
+/** True if nobody else drags the light, and edits can be made. */
 export const isFree = (page: Page, id: LightId): boolean => canEdit(page) && holderOf(page, id) === null;
 
 /** Switches the light off, or on again, for everybody. */
@@ -56,7 +56,7 @@ export async function bendLight({ session, pick }: Page, id: LightId): Promise<v
   session.edit({ type: "bendLight", light: id, ...(toward !== null && { toward }) });
 }
 
-/** Whether its light keeps to a cone. */
+/** True if the light has a cone. */
 export const hasCone = (light: Light): boolean => light.type === "spot" || light.type === "bendy";
 
 /** Makes it a spotlight, which has no control points to have selected. */

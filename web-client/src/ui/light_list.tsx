@@ -14,7 +14,7 @@ import { colorOf } from "./person";
 import { QuietButton } from "./quiet_button";
 import { removeLight } from "./removing";
 
-/** What can be added, what bends first. */
+/** Lights that can be added, bent ones first. */
 const ADDED = [
   { type: "bendy", title: "Add a BendyLight" },
   { type: "spot", title: "Add a spotlight" },

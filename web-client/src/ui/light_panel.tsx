@@ -57,7 +57,7 @@ export function LightPanel() {
           >
             <SectionFields section={section} id={id} light={light} disabled={disabled} />
           </FoldingSection>
-          {/* What bends it is used most, and stays in sight. */}
+          {/* The controls that bend it are used most, and stay visible. */}
           {k === 0 && light.type === "bendy" && <PointPanel id={id} light={light} disabled={disabled} />}
           {k === 0 && <PinPanel id={id} disabled={disabled} />}
         </Fragment>
@@ -74,7 +74,7 @@ function shownSections(table: ParameterTable, light: Light): Section[] {
   });
 }
 
-/** What can be done with the light as a whole. */
+/** Buttons for the light as a whole. */
 function LightTools({ id, light, disabled }: { id: LightId; light: Light; disabled: boolean }) {
   const page = usePage();
   return (

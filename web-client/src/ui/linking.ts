@@ -11,7 +11,7 @@ import { isFree } from "./light_actions";
 import type { Page } from "./page";
 import type { Linking } from "./page_state";
 
-/** Whether a click in the picture links an object to a light. */
+/** True if a click in the picture links an object to a light. */
 export const isLinking = ({ linking, selectedLight }: Page): boolean =>
   linking.value !== null && linking.value.light === selectedLight.value;
 
@@ -60,7 +60,7 @@ function linked(page: Page, { light: id, row, list }: Linking, path: string): st
   return `Added: ${effectOf(row, list, object, name)}`;
 }
 
-/** What it means that an object is in the list. */
+/** Sentence for the effect of an object in the list. */
 function effectOf({ name }: Parameter, list: LinkList, object: string, light: string): string {
   if (name === "shadowLink") {
     return list === "include"
@@ -70,7 +70,7 @@ function effectOf({ name }: Parameter, list: LinkList, object: string, light: st
   return list === "include" ? `${light} lights ${object}` : `${light} does not light ${object}`;
 }
 
-/** What the next click does. */
+/** Sentence for the effect of the next click. */
 export function linkingText({ session }: Page, { light, row, list, said }: Linking): string {
   if (said !== null) return said;
   const next = effectOf(row, list, "what you pick", lightName(session.document.value, light));

@@ -19,7 +19,7 @@ const LISTS: readonly { list: LinkList; tag: string; none: string; title: string
   { list: "exclude", tag: "Not", none: "none", title: "What is chosen does not count" },
 ];
 
-/** What is chosen, and what more can be: in the tree of nodes, or in the picture. */
+/** Chosen nodes, and buttons to choose more: in the tree of nodes, or in the picture. */
 export function LinksField({ row, ...props }: FieldProps<LinksValue> & { row: Parameter }) {
   const page = usePage();
   const { label, doc, value, binding, disabled } = props;
@@ -93,7 +93,7 @@ interface PathsProps {
   label: string;
   /** Before the paths. */
   tag: string;
-  /** What it means that there is no path. */
+  /** Meaning of an empty list. */
   none: string;
   paths: readonly string[];
   binding: Binding<readonly string[]>;

@@ -148,7 +148,7 @@ function start(table: ParameterTable, name: string, asListed: Listed): void {
     if (entry !== null) listed.value = { title: entry.title, archived: entry.archived };
   }
 
-  /** What tests and people with developer tools can read off the page's root element. */
+  /** Writes state to the page's root element, for tests and developer tools. */
   function showState({ dataset }: HTMLElement): void {
     const { seq, hash, pictureSeq } = session.mirror.value;
     const frame = session.frame.value;

@@ -1,5 +1,5 @@
-// What is said over the picture while a click aims a light or links an object, while one looks through a light, or where somebody else
-// has what one reaches for.
+// Messages over the picture: while a click aims a light or links an object, while the view looks through a light, and for a light that
+// another actor drags.
 
 import type { ComponentChildren } from "preact";
 
@@ -81,7 +81,7 @@ function ToolSays() {
   return said.value === null ? null : <Mode>{said.value}</Mode>;
 }
 
-/** Who has the light that was reached for. */
+/** Name of the client that drags the light. */
 function Held() {
   const page = usePage();
   const { session, reachedFor } = page;

@@ -4,7 +4,7 @@ import { halvesOf } from "../core/clipping";
 
 interface NameProps {
   name: string;
-  /** What it says to a pointer that rests on it, if not the name. */
+  /** Tooltip, if it is not the name. */
   title?: string;
 }
 
@@ -19,7 +19,7 @@ export function Name({ name, title = name }: NameProps) {
   }
   return (
     <span class="name" title={title}>
-      {/* Who hears the page hears the name in one piece. */}
+      {/* Screen readers read the name in one piece. */}
       <span class="unseen">{name}</span>
       <span class="name-start" aria-hidden="true">
         {start}

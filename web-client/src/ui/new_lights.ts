@@ -1,4 +1,4 @@
-// What the "add" buttons add: lights aimed at what is in the middle of the view.
+// Lights of the "add" buttons, aimed at the surface in the middle of the view.
 
 import { freeName } from "../core/document";
 import { pivotOf } from "../core/navigation";
@@ -16,7 +16,7 @@ const ABSCISSAE = [0, 0.5, 1.5, 2];
 const BEYOND = 1.6;
 /** The source of a tube is so wide, as a share of the way. */
 const SOURCE = 0.05;
-/** What a source sees of its aim is the aim where it is no farther off than this share of the way. */
+/** Maximum distance of the visible point from the aim, as a share of the distance to it, for the aim to count as visible. */
 const SAME_PLACE = 0.05;
 
 /** A light as it is asked for: the server fills in the defaults of what is left out. */

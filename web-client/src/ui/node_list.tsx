@@ -12,7 +12,7 @@ const MOST_ROWS = 400;
 
 interface NodeListProps {
   label: string;
-  /** What is said of a node that is chosen; `undefined` of others. */
+  /** Tag of a chosen node; `undefined` for others. */
   tagOf(path: string): string | undefined;
   disabled: boolean;
   /** Takes a node, or a path that was typed and may name none. */
@@ -30,7 +30,7 @@ export function NodeList({ label, tagOf, disabled, choose }: NodeListProps) {
   const tree = useMemo(() => treeOf(paths ?? []), [paths]);
   const [folds, setFolds] = useState<{ [path: string]: boolean }>({});
   const found = useMemo(() => filtered(tree, text), [tree, text]);
-  // What was looked for is to be seen; so is what lies under a single root.
+  // Matches of a search are visible; so are the children of a single root.
   const isOpen = ({ path, children }: TreeNode) =>
     folds[path] ??
     (children.length > 0 && (text.trim() !== "" || (tree.length === 1 && tree[0]?.path === path)));
@@ -42,7 +42,7 @@ export function NodeList({ label, tagOf, disabled, choose }: NodeListProps) {
   const submit = () => {
     const typed = text.trim();
     if (typed === "") return;
-    // Where not every node is listed, what is typed may be one all the same.
+    // If not every node is listed, the typed path may be valid although the list lacks it.
     if (paths === undefined || paths.includes(typed) || nodes?.leftOut !== 0) {
       choose(typed);
       setText("");
@@ -130,7 +130,7 @@ interface Keys {
   choose(path: string): void;
 }
 
-/** What a key does at a row, as in every tree. */
+/** Task of a key at a row, as in every tree. */
 function taskFor(key: string, { shown, row, k, go, fold, choose }: Keys): (() => void) | null {
   const { node, open, level } = row;
   switch (key) {

@@ -16,7 +16,7 @@ export type Opening =
   | { kind: "loading"; name: string }
   | { kind: "failed"; name: string; why: string; again: (() => void) | null };
 
-/** What is told of a file that is sent. After `stop` nothing is. */
+/** Events of an upload. After `stop` there are none. */
 export interface SendingEvents {
   progress(sent: number, size: number): void;
   /** All of it has gone. */
@@ -114,7 +114,7 @@ async function asOneFile(scene: Given<File>, given: readonly Given<File>[]): Pro
 const OpeningContext = createContext<SceneOpening | null>(null);
 export const OpeningProvider = OpeningContext.Provider;
 
-/** What opens scenes where a component is: in a session, or as a new one. */
+/** Opens scenes in the session of the component, or as a new session. */
 export function useOpening(): SceneOpening {
   const opening = useContext(OpeningContext);
   if (opening === null) throw new Error("A component that opens scenes stands where none can be opened.");

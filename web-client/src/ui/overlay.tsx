@@ -17,7 +17,7 @@ interface OverlayProps {
   view: View;
   /** The picture's upper left corner in the stage. */
   at: Pixel;
-  /** Of the stage. */
+  /** Size of the stage. */
   size: { width: number; height: number };
 }
 

@@ -1,4 +1,4 @@
-// What only this page knows: what is selected, what is said to the person at it.
+// State of this page alone: the selection, and messages to its user.
 
 import { computed, effect, type Signal, signal } from "@preact/signals";
 import { createContext } from "preact";
@@ -26,30 +26,30 @@ export interface Page {
   presses: Presses;
   screen: Screen;
   name: string;
-  /** What the list of sessions says of it. */
+  /** Entry of the session in the list. */
   listed: Signal<Listed>;
   /** The point of the scene in the middle of a camera's picture, if there is one. */
   pick(camera: Camera): Promise<Vec3 | null>;
   selectedLight: Signal<LightId | null>;
   /** Control point of the selected light; `null` for the light as a whole. */
   selectedPoint: Signal<number | null>;
-  /** Whether radii that would fold the tube shrink where control points are dragged. */
+  /** True if radii that would fold the tube shrink when control points are dragged. */
   radiiFollow: Signal<boolean>;
-  /** Whether what is dragged is laid on the surface under the pointer. */
+  /** True if dragged things are laid on the surface under the pointer. */
   snaps: Signal<boolean>;
   toolbox: Toolbox;
   aiming: Signal<Aiming>;
-  /** What clicks in the picture link to a light, while they do. */
+  /** Link that clicks in the picture edit, while they do. */
   linking: Signal<Linking | null>;
   /** The view through a light, while one has not gone back from it. */
   excursion: Signal<Excursion | null>;
   scope: Signal<Scope>;
   showHandles: Signal<boolean>;
-  /** Whether what `render` would not write is darkened. */
+  /** True if the parts of the picture that `render` would not write are darkened. */
   showGate: Signal<boolean>;
-  /** Whether the list of keys is shown. */
+  /** True if the list of keys is visible. */
   showKeys: Signal<boolean>;
-  /** Whether it is asked why pixels are lit: while its key is held, and until its button is pressed again. */
+  /** Probing of pixels: active while its key is held, and until its button is pressed again. */
   probe: {
     held: Signal<boolean>;
     on: Signal<boolean>;
@@ -67,7 +67,7 @@ export interface Page {
   toldOvertaken: Signal<number | null>;
   /** The nodes of the scene; `null` while they are not known. */
   nodes: Signal<SceneNodes | null>;
-  /** Which hint on the demo scene is next; `null` once they have been seen. */
+  /** Next hint on the demo scene; `null` after the last one. */
   hint: Signal<number | null>;
 }
 
@@ -190,7 +190,7 @@ export function usePage(): Page {
   return page;
 }
 
-/** Who else drags the light now. */
+/** Client that drags the light now. */
 export const holderOf = ({ session }: Page, light: LightId): ClientId | null =>
   session.gestures.value.find((gesture) => gesture.light === light)?.client ?? null;
 
@@ -201,5 +201,5 @@ export function reachFor(page: Page, light: LightId): boolean {
   return isFree && canEdit(page);
 }
 
-/** Whether edits can be made now. */
+/** True if edits can be made now. */
 export const canEdit = (page: Page): boolean => page.session.connection.value.kind === "connected";

@@ -5,7 +5,7 @@ import type { LinkList } from "../core/links";
 import type { Orbit } from "../core/navigation";
 import type { Camera, Parameter } from "../core/protocol";
 
-/** Whether the next click in the picture is what the selected light is aimed at; `missed` where the last found nothing. */
+/** State of aiming: the next click in the picture aims the selected light; `missed` if the last click hit nothing. */
 export type Aiming = "off" | "on" | "missed";
 
 /** A view through a light, and the one before it. */
@@ -16,13 +16,13 @@ export interface Excursion {
   before: Orbit;
 }
 
-/** Where clicks in the picture put what they hit. */
+/** Target of clicks in the picture that link objects. */
 export interface Linking {
   light: LightId;
   /** The light's links to nodes that it lights, or to those that throw shadows in it. */
   row: Parameter;
   list: LinkList;
-  /** What came of the last click; `null` before the first. */
+  /** Result of the last click; `null` before the first. */
   said: string | null;
 }
 

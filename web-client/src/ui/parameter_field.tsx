@@ -17,14 +17,14 @@ import { LinksField } from "./links_field";
 import { Row, type RowProps } from "./row";
 import { Slider } from "./slider";
 
-/** What one arrow key and one pixel of a scrub turn a light by, degrees. */
+/** Degrees that one arrow key and one pixel of a scrub turn a light. */
 const TURN_STEP = 0.5;
 
 interface ParameterFieldProps {
   row: Parameter;
-  /** As in the JSON of its owner. */
+  /** Value in the JSON of its owner. */
   value: unknown;
-  /** What the owner has by default; `undefined` for nothing. */
+  /** Default of the owner; `undefined` for none. */
   initial: unknown;
   /** Values of the same kind that its slider has room for, such as those of the other control points. */
   among?: readonly unknown[];

@@ -1,4 +1,4 @@
-// Who sits at this page, and how people are told apart.
+// User of this page, and the names and colors of actors.
 
 import type { ClientId } from "../core/ids";
 import type { Actor, Presence } from "../core/protocol";

@@ -1,4 +1,4 @@
-// What a press on the picture, beside all handles, does: here tools that work on the picture take it before the view does.
+// Presses on the picture beside all handles: tools that work on the picture take them before the view does.
 
 import type { Pixel, Size } from "../core/camera";
 import { viewSizeOf } from "../core/frame";
@@ -15,13 +15,13 @@ const RADIANS_PER_PIXEL = 0.006;
 /** A press that moves less is a click. */
 const CLICK_PX = 4;
 
-/** Where a pointer is in the picture of the stage that it is over. */
+/** Position of a pointer in the picture of the stage under it. */
 export function inPicture(stage: Element, { clientX, clientY }: MouseEvent): Pixel {
   const { x, y } = stage.querySelector("canvas")?.getBoundingClientRect() ?? { x: 0, y: 0 };
   return { x: clientX - x, y: clientY - y };
 }
 
-/** What is asked of a pixel of the picture as the stage shows it; `null` beside the picture, and while there is none. */
+/** Query of a pixel of the picture on the stage; `null` beside the picture, and while there is none. */
 export function questionOn(stage: Element, { session }: Page, pixel: Pixel): PixelQuestion | null {
   const [shown, frame] = [stage.querySelector("canvas")?.getBoundingClientRect(), session.frame.value];
   return shown === undefined || frame === null ? null : questionAt(pixel, shown, viewSizeOf(frame));
@@ -41,7 +41,7 @@ export function pressPicture(down: PointerEvent, page: Page, size: Size): void {
   navigate(down, page, size, click === null ? null : take);
 }
 
-/** What a click in the picture is for, where a person has said so before: then neither handles nor tools get it. */
+/** Task of a click in the picture, if the user has chosen one: then neither handles nor tools get the click. */
 export function clickOf(page: Page): ((page: Page, question: PixelQuestion | null) => void) | null {
   if (isAiming(page)) return aimAt;
   return isLinking(page) ? linkAt : null;

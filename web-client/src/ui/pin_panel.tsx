@@ -9,7 +9,7 @@ import { usePage } from "./page";
 import { QuietButton } from "./quiet_button";
 import { FoldingSection } from "./sections";
 
-/** What a pin keeps. */
+/** Name of a pin's constraint. */
 const textOf = ({ kind, caster }: Pin): string =>
   caster === undefined || caster === null ? PIN_TEXTS[kind] : `${PIN_TEXTS[kind]} of ${caster}`;
 

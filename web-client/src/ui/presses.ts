@@ -6,7 +6,7 @@ import type { ValueDrag } from "./binding";
 
 /** Whose presses rest for so long has done: longer than a finger takes to press again. */
 const REST_MS = 1000;
-/** How many steps one press is with Shift. */
+/** Number of steps of one press with Shift. */
 const LARGE_STEPS = 10;
 
 export interface Presses {

@@ -1,4 +1,4 @@
-// What is said of a probed pixel, light by light.
+// Texts of a probed pixel, light by light.
 
 import type { Light, ProbedLight, ProbeDisabledBy } from "../core/protocol";
 import { formatNumber } from "./format";
@@ -8,7 +8,7 @@ const DISABLED: { [W in ProbeDisabledBy]: string } = {
   off: "switched off",
   dark: "gives no light",
 };
-/** What a surface lies outside of. */
+/** Volume of each type of light, which a surface can be outside of. */
 const VOLUMES: { [T in Light["type"]]: string } = {
   bendy: "its tube",
   spot: "its cone",
@@ -16,7 +16,7 @@ const VOLUMES: { [T in Light["type"]]: string } = {
   directional: "its window",
 };
 
-/** Whether the light arrives, or why not; `type` is its light's, where that is known. */
+/** Says that the light arrives, or why not; `type` is the light's, if it is known. */
 export function stateText(probed: ProbedLight, type: Light["type"] | undefined): string {
   switch (probed.state) {
     case "lit":
@@ -36,7 +36,7 @@ export function stateText(probed: ProbedLight, type: Light["type"] | undefined):
   }
 }
 
-/** Where along the light that is; empty outside of it. */
+/** Coordinates along the light; empty outside of it. */
 export function placeText({ place }: ProbedLight): string {
   if (place === null) return "";
   const way = place.pathLength === null ? [] : [`${formatNumber(place.pathLength, 2)} along it`];

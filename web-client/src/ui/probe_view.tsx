@@ -15,13 +15,13 @@ interface ProbeViewProps {
   view: View;
   /** The picture's upper left corner in the stage. */
   at: Pixel;
-  /** Of the stage. */
+  /** Size of the stage. */
   size: Size;
 }
 
 export const isProbing = ({ probe }: Page): boolean => probe.held.value || probe.on.value;
 
-/** What the probe has found, while it is on; without a pointer over the picture, of the picture's middle. */
+/** Results of the probe, while it is on; without a pointer over the picture, of the picture's middle. */
 export function ProbeView(props: ProbeViewProps) {
   const page = usePage();
   const middle: Pixel = { x: props.view.width / 2, y: props.view.height / 2 };
@@ -69,7 +69,7 @@ export function Way({ view, probed: { path, shadowedBy } }: { view: View; probed
   );
 }
 
-/** Where is asked; an empty middle leaves the pixel in sight. */
+/** Mark of the probed point; its empty middle leaves the pixel visible. */
 function Cross({ at }: { at: Pixel }) {
   const lines = "M-9 0h6M3 0h6M0 -9v6M0 3v6";
   return (

@@ -6,14 +6,14 @@ interface QuietButtonProps {
   /** Further classes. */
   class?: string;
   title: string;
-  /** What it is called where that is not the title. */
+  /** Accessible name, if it is not the title. */
   label?: string;
-  /** Whether it is on, of one that stays so. */
+  /** State of a toggle. */
   pressed?: boolean;
-  /** Whether what it opens is open, of one that opens something; and that one's id. */
+  /** State of the element that it opens, and that element's id. */
   expanded?: boolean;
   controls?: string;
-  /** Whether it can do nothing now. It is grey then and keeps the focus, which a `disabled` one would lose. */
+  /** True if it can do nothing now. It is grey then and keeps the focus, which a `disabled` one would lose. */
   disabled?: boolean;
   press(button: HTMLElement): void;
   children: ComponentChildren;

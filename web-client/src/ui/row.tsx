@@ -17,7 +17,7 @@ export interface RowProps {
   label: string;
   /** A sentence on what it is. */
   doc?: string | undefined;
-  /** Where the value is not the default. */
+  /** Reset button, if the value is not the default. */
   reset?: Reset | undefined;
   disabled: boolean;
 }

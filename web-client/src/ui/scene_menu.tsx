@@ -1,4 +1,4 @@
-// What opens another scene: a menu beside the scene's name.
+// Menu beside the scene's name that opens another scene.
 
 import { useState } from "preact/hooks";
 

@@ -1,4 +1,4 @@
-// What the scene is called, and what of its file is not drawn.
+// Name of the scene, and the parts of its file that are not drawn.
 
 import { Icon } from "./icons";
 import { Name } from "./name";
@@ -6,7 +6,7 @@ import { usePage } from "./page";
 import { sentence } from "./sentence";
 
 const LIST = "scene-notes";
-/** How a scene's asset is named; versions before names of scenes called the scene so too. */
+/** Name of a scene's asset; versions before names of scenes gave it to the scene, too. */
 const HASH = /^sha256:([0-9a-f]{8})[0-9a-f]{56}$/;
 
 export function SceneName() {

@@ -1,13 +1,13 @@
 // Decoded pictures on a canvas.
 
 import type { FrameHeader } from "../core/frame";
-import type { Shown } from "../core/pictures";
+import type { DecodedTile } from "../core/pictures";
 
 export interface Screen {
   /** Draws on `canvas` from now on. */
   attach(canvas: HTMLCanvasElement | null): void;
   decode(header: FrameHeader, payload: ArrayBuffer): Promise<ImageBitmap>;
-  draw(tiles: readonly Shown<ImageBitmap>[]): void;
+  draw(tiles: readonly DecodedTile<ImageBitmap>[]): void;
 }
 
 export function canvasScreen(): Screen {

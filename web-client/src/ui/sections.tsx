@@ -7,7 +7,7 @@ import { Icon } from "./icons";
 
 const SECTIONS_KEY = "bendylights.sections";
 
-/** Whether each is open that was ever opened or closed. */
+/** State of each section that was ever opened or closed. */
 type Folds = { [group: string]: boolean };
 
 const folds = signal<Folds>(readFolds());
@@ -22,10 +22,10 @@ function readFolds(): Folds {
 }
 
 interface FoldingProps {
-  /** What it is remembered by. */
+  /** Key in the browser's storage. */
   group: string;
   heading: string;
-  /** Whether it is open before anybody has said so. */
+  /** True if it is open until the user closes it. */
   openAtFirst: boolean;
   /** Buttons beside the heading. */
   tools?: ComponentChildren;

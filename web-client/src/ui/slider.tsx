@@ -12,14 +12,14 @@ interface SliderProps extends NumberProps {
   /** Ends of the slider; the number beside it may go on. */
   from: number;
   to: number;
-  /** Whether equal ways are equal factors; both ends are above 0 then. */
+  /** True if equal distances are equal factors; both ends are above 0 then. */
   logarithmic?: boolean;
 }
 
 /** Steps from end to end where equal ways are equal factors. */
 const LOGARITHMIC_STEPS = 1000;
 
-/** How far along a slider a number stands, and back. */
+/** Map between a number and its position along a slider. */
 interface Track {
   step: number;
   positionOf(value: number): number;
@@ -40,7 +40,7 @@ export function Slider({ from, to, ...props }: SliderProps) {
   const { label, doc, value, binding, disabled, step, unit = "", decimals = 3 } = props;
   const { presses } = usePage();
   const drag = useLooseDrag(binding);
-  /** What moves it. Nothing does after Escape, or once the browser takes the touch for scrolling. */
+  /** Input that moves it: none after Escape, or once the browser uses the touch to scroll. */
   const movedBy = useRef<"pointer" | "keys" | "nothing">("pointer");
   const rest = useRef({ from, to, value });
   const dragging = useRef(false);

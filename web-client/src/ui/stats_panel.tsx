@@ -1,4 +1,4 @@
-// What the latest pictures came to: which passes ran and why, and how long that took.
+// Costs of the latest pictures: the passes that ran, their causes, and their times.
 
 import type { FrameStats } from "../core/protocol";
 import { usePage } from "./page";

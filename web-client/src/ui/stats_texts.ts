@@ -23,7 +23,7 @@ const CAUSES: { readonly [cause in Cause]: string } = {
   notKept: "drawn every time",
 };
 
-/** What a pass drew, why, and how often: `Shadow map of key: the light changed, 1`. */
+/** Name of a pass, its cause and its count: `Shadow map of key: the light changed, 1`. */
 export function passText(document: Document, { pass, light, cause, runs }: PassRun): string {
   const entry = document.lights.find(({ id }) => id === light);
   const label = entry === undefined ? `light ${light}` : lightLabel(entry);

@@ -1,4 +1,4 @@
-// What the picture is, and how fast it comes.
+// State of the picture, and its rate.
 
 import { lightLabel } from "../core/document";
 import { type FrameHeader, reductionsOf } from "../core/frame";
@@ -47,13 +47,13 @@ export function StatusBar() {
   );
 }
 
-/** What the picture has of what it has at rest. */
+/** Quality of the picture in comparison with that at rest. */
 function qualityOf(frame: FrameHeader): string {
   if (frame.settle) return "Lossless";
   return ["Live", reductionsOf(frame)].filter((said) => said !== "").join(", ");
 }
 
-/** Whether one's own pictures may be reduced while something moves. */
+/** Toggle of full detail: own pictures are not reduced while something moves. */
 function FullDetail() {
   const { viewer } = usePage().session;
   if (viewer.following.value !== null) return null;
@@ -70,7 +70,7 @@ function FullDetail() {
   );
 }
 
-/** Which lights shine alone in this picture, and how to see all again. */
+/** Note of the lights that shine alone in this picture, with a button that shows all again. */
 function SoloNote() {
   const { session } = usePage();
   const { viewer } = session;

@@ -1,4 +1,4 @@
-// What is said to the person at the page, for a while.
+// Messages to the user, visible for a while.
 
 import type { Signal } from "@preact/signals";
 

@@ -17,7 +17,11 @@ const NAMES: { [T in Tool]: { name: string; icon: IconName; what: string } } = {
   hotspot: { name: "Hotspot", icon: "hotspot", what: "Take what a light shines on and put it elsewhere" },
   highlight: { name: "Highlight", icon: "highlight", what: "Take a highlight and put it elsewhere" },
   diffuse: { name: "Diffuse", icon: "diffuse", what: "Turn the light to the surface under the pointer" },
-  pin: { name: "Pin", icon: "pin", what: "Say what is to stay as it is while lights are dragged" },
+  pin: {
+    name: "Pin",
+    icon: "pin",
+    what: "Say what stays as it is while shadows, hotspots and highlights are dragged",
+  },
 };
 
 export function ToolBar() {
@@ -40,7 +44,7 @@ export function ToolBar() {
   );
 }
 
-/** What the tool that is taken up asks to know, over the picture, which stays where it is. */
+/** Options of the active tool, over the picture, which stays where it is. */
 export function ToolChoices() {
   const { tool } = usePage().toolbox;
   if (dragsFeatures(tool.value)) return <FollowingChoices />;
@@ -53,7 +57,7 @@ const RADII: { [R in DragRadii]: string } = {
   follow: "Radii follow",
 };
 
-/** How the light follows: as a whole, or by which control points. */
+/** Choice of the light's motion: as a whole, or by some control points. */
 function FollowingChoices() {
   const page = usePage();
   const { toolbox, session, selectedLight } = page;
@@ -108,7 +112,7 @@ function follow({ toolbox: { following } }: Page, values: Partial<Following>): v
   following.value = { ...following.value, ...values };
 }
 
-/** Which control points take part, and what becomes of radii. */
+/** Choice of the control points that move, and of the treatment of radii. */
 function PointChoices({ count }: { count: number }) {
   const page = usePage();
   const { resting, radii } = page.toolbox.following.value;
@@ -147,7 +151,7 @@ function PointChoices({ count }: { count: number }) {
   );
 }
 
-/** What the next pin is. */
+/** Choice of the next pin's constraint. */
 function PinChoices() {
   const { pinKind, pinsHard } = usePage().toolbox;
   return (

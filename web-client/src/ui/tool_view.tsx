@@ -1,4 +1,4 @@
-// What tools draw over the picture: what would be taken, the start of a drag and how far it is from the pointer, and pins.
+// Drawings of tools over the picture: the feature under the pointer, the start of a drag and its distance from the pointer, and pins.
 
 import { type Pixel, project, type Size, type View } from "../core/camera";
 import type { Drawn } from "../core/handles";
@@ -16,7 +16,7 @@ interface ToolViewProps {
   view: View;
   /** The picture's upper left corner in the stage. */
   at: Pixel;
-  /** Of the stage. */
+  /** Size of the stage. */
   size: Size;
 }
 

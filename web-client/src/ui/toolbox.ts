@@ -1,4 +1,4 @@
-// What the page knows of its tools.
+// State of the page's tools.
 
 import { type Signal, signal } from "@preact/signals";
 
@@ -11,14 +11,13 @@ import type { Following, Seen, Tool } from "../core/tools";
 export interface Dragged {
   kind: DragKind;
   id: LightId;
-  /** As it was when the drag began. */
+  /** Light at the start of the drag. */
   light: Light;
   from: Pixel;
   to: Pixel;
   seen: Seen;
 }
 
-/** What the page knows of its tools. */
 export interface Toolbox {
   tool: Signal<Tool>;
   following: Signal<Following>;
@@ -26,7 +25,7 @@ export interface Toolbox {
   pinsHard: Signal<boolean>;
   selectedPin: Signal<number | null>;
   dragged: Signal<Dragged | null>;
-  /** What the last press came to nothing for; `null` where it did not. */
+  /** Reason why the last press had no effect; `null` if it had one. */
   said: Signal<string | null>;
 }
 

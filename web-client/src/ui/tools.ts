@@ -92,7 +92,7 @@ function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Taken
 
   toolbox.said.value = null;
   session.probe("tool", { ...question, highlights: kind === "highlight" }, (found) => {
-    // Of two fingers the second has cancelled what the first has asked: nothing is to come of it.
+    // A second finger cancels the query of the first one, which then has no effect.
     if (found === null || isCancelled) return;
     const taken = takenLight(kind, found, page.selectedLight.value);
     if (taken !== null) begin(taken);
@@ -109,7 +109,7 @@ function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Taken
   };
 }
 
-/** Whether a press on the picture is for the tool that is taken up; then the tool has it. */
+/** Gives a press on the picture to the active tool. Returns true if the tool takes it. */
 export function pressTool(down: PointerEvent, page: Page): boolean {
   const stage = down.currentTarget as HTMLElement;
   const kind = page.toolbox.tool.value;
@@ -119,7 +119,7 @@ export function pressTool(down: PointerEvent, page: Page): boolean {
   down.preventDefault();
   stage.focus({ preventScroll: true });
   if (!dragsFeatures(kind)) {
-    // Where the pointer is let go of is of no matter: a pin goes where it was pressed.
+    // The release has no effect: a pin is placed at the pressed point.
     followPointer(down, { move: () => {}, end: () => addPin(page, question) });
     return true;
   }
@@ -137,7 +137,7 @@ export function pressTool(down: PointerEvent, page: Page): boolean {
   return true;
 }
 
-/** What a press on the picture pins, of the selected light. */
+/** Pins the pressed point of the picture, for the selected light. */
 export function addPin(page: Page, question: PixelQuestion): void {
   const { session, selectedLight, toolbox } = page;
   session.probe("tool", question, (found) => {
@@ -153,7 +153,7 @@ export function addPin(page: Page, question: PixelQuestion): void {
   });
 }
 
-/** Where arrow keys take what is dragged, y down. */
+/** Directions of a drag by arrow keys, y down. */
 const WAYS: { [key: string]: Pixel } = {
   ArrowLeft: { x: -1, y: 0 },
   ArrowRight: { x: 1, y: 0 },

@@ -62,7 +62,7 @@ function UndoButtons() {
       <StepButton
         kind="undo"
         keys="Ctrl+Z"
-        // What is under way becomes a step, and the first to be undone.
+        // A gesture becomes a step, and the first to be undone.
         step={session.ownDrag.value === null ? history?.undo[scope.value] : undefined}
         press={() => undo(page)}
       />
@@ -91,7 +91,7 @@ function UndoButtons() {
 interface StepButtonProps {
   kind: "undo" | "redo";
   keys: string;
-  /** What it takes back; `null` for nothing, `undefined` where that is not known yet. */
+  /** Step that it takes back; `null` for none, `undefined` before it is known. */
   step: HistoryStep | null | undefined;
   press(): void;
 }

@@ -6,7 +6,7 @@ import type { Page } from "./page";
  * so and takes nothing back: who presses again has read it. */
 export function undo(page: Page): void {
   const { session, scope, toldOvertaken } = page;
-  // What is under way becomes a step, and the first to be undone.
+  // A gesture becomes a step, and the first to be undone.
   const step = session.ownDrag.value === null ? session.history.value?.undo[scope.value] : undefined;
   const passed = step?.passed ?? [];
   if (step && passed.length > 0 && toldOvertaken.value !== step.seq) {

@@ -1,4 +1,4 @@
-// What is seen at a pixel of the picture, asked again for every picture.
+// Probes a pixel again for every picture.
 
 import { useEffect, useState } from "preact/hooks";
 

@@ -1,4 +1,4 @@
-// How bright one sees the picture; the document and others' pictures know nothing of it.
+// Exposure of one's own view; the document and the pictures of other actors do not depend on it.
 
 import type { Binding } from "./binding";
 import { usePage } from "./page";

@@ -6,11 +6,11 @@ import type { Bounds } from "../core/protocol";
 import type { Page } from "./page";
 
 const RADIANS_PER_PRESS = Math.PI / 36;
-/** Of the picture's height. */
+/** Share of the picture's height that a press pans. */
 const PAN_PER_PRESS = 0.05;
 const ZOOM_PER_PRESS = 1.1;
 
-/** Where arrows take the camera, y down. */
+/** Directions of the camera for arrow keys, y down. */
 const WAYS: { [key: string]: Pixel } = {
   ArrowLeft: { x: -1, y: 0 },
   ArrowRight: { x: 1, y: 0 },
@@ -39,7 +39,7 @@ function changeFor(
   if (power !== undefined) return (from) => zoom(from, ZOOM_PER_PRESS ** power, bounds);
   if (way === undefined) return null;
   if (!shiftKey) return (from) => orbit(from, way.x * RADIANS_PER_PRESS, way.y * RADIANS_PER_PRESS);
-  // What is seen goes the other way.
+  // The picture's content moves in the opposite direction.
   const pixels = -PAN_PER_PRESS * view.height;
   return (from) => pan(from, view, { x: way.x * pixels, y: way.y * pixels });
 }

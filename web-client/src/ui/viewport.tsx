@@ -249,7 +249,7 @@ function DragRefusal() {
   );
 }
 
-/** Where the pointer is in the picture, for keys that take it from there; the middle where it is elsewhere. */
+/** Position of the pointer in the picture, for keys that use it; the middle if the pointer is elsewhere. */
 function hereOf(page: Page, stage: Element | null): PixelQuestion | null {
   const { at } = page.probe;
   return (at.value === null || stage === null ? null : questionOn(stage, page, at.value)) ?? middleOf(page);
@@ -275,7 +275,7 @@ function contain(outer: Size, inner: Size): Box {
   return { width, height, x: (outer.width - width) / 2, y: (outer.height - height) / 2 };
 }
 
-/** How large the element is now. */
+/** Size of the element now. */
 function useSize(element: { current: HTMLElement | null }): Size {
   const [size, setSize] = useState<Size>({ width: 0, height: 0 });
   useEffect(() => {

@@ -1,4 +1,4 @@
-// What axe-core finds wrong with a page: contrast, names, roles, landmarks, headings, sizes of targets.
+// Faults of a page by axe-core: contrast, names, roles, landmarks, headings, sizes of targets.
 //
 // axe-core holds the rules of WCAG that a program can decide, and is what browsers' own audits run.
 
@@ -41,7 +41,7 @@ export async function findings(page) {
     /** axe-core does not judge text of one letter, nor where things may overlap, which they do not here. */
     function faint(selector) {
       const element = document.querySelector(selector);
-      // What has gone meanwhile is not shown, and what is drawn over the picture has a dark rim.
+      // Removed elements are not shown, and drawings over the picture have a dark rim.
       if (element === null || element.closest(".overlay") !== null) return [];
       const text = channels(getComputedStyle(element).color);
       const ratio = contrast(text, surfaceOf(element));

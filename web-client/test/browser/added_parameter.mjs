@@ -31,7 +31,7 @@ await runBrowserTest(async ({ open, picture }) => {
     `It is ${await dimmer.inputValue()}, beyond what its row says.`,
   );
 
-  // What the server holds is what a page that comes later sees.
+  // A page that comes later shows the server's values.
   const later = await open("Ben", { width: 1024, height: 700 });
   await unfold(later, "Test");
   const shown = await field(later.getByRole("region", { name: "Test" }), "Dimmer").inputValue();

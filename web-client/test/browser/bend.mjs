@@ -71,7 +71,7 @@ async function omniLight(page, { picture, http }) {
   insideOfTheScene(bent);
 }
 
-/** Where the light's own -Z points. */
+/** Direction of the light's own -Z. */
 function shinesAlong([x, y, z, w]) {
   return [-2 * (x * z + w * y), -2 * (y * z - w * x), 2 * (x * x + y * y) - 1];
 }

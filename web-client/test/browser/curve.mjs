@@ -1,4 +1,4 @@
-// How far out a light's edge lies around its axis: knots are added, turned, dimmed and taken out.
+// Distance of a light's edge around its axis: knots are added, turned, dimmed and removed.
 
 import { expect, field, pixels, reached, runBrowserTest, seqOf, settled, unfold } from "./page.mjs";
 
@@ -39,7 +39,7 @@ await runBrowserTest(async ({ open, picture, http }) => {
   await add.scrollIntoViewIfNeeded();
   await picture(page, "1-knots");
 
-  // What would go past the knot beside it, or out of range, stops there.
+  // A knot stops at the knot beside it, and at the end of its range.
   await type("Radial falloff 1: degrees", "300");
   await type("Radial falloff 2: value", "7");
   expect(

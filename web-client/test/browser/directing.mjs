@@ -38,7 +38,7 @@ async function isInside(page, selector) {
   );
 }
 
-/** What the panel says of the pixel under the pointer, once it says what is wanted. */
+/** Text of the panel for the pixel under the pointer, once it matches `wanted`. */
 async function probed(page, at, wanted) {
   await page.mouse.move(at.x, at.y);
   const panel = page.locator(".probe-panel");
@@ -66,7 +66,7 @@ async function theProbe(page, picture) {
   await probed(page, await onPicture(page, 0.02, 0.98), "outside its tube");
   await picture(page, "3-in-the-corner");
 
-  // Who has no pointer asks about the middle, and who cannot hold a key presses the button.
+  // Without a pointer the middle is probed, and the button replaces a held key.
   await page.mouse.move(5, 5);
   await panel.getByText("lit,").waitFor();
   await page.keyboard.up("i");
@@ -159,12 +159,12 @@ async function fine(page) {
   await reached(page, seq + 2);
 }
 
-/** Where a control point of the demo's light is in the world; the light stands unturned. */
+/** World position of a control point of the demo's light, which is not rotated. */
 function worldOf({ transform: { translation }, points }, point) {
   return points[point].map((x, k) => x + translation[k]);
 }
 
-/** What is dragged with Ctrl, or with the toggle on, lies on the surface under the pointer. */
+/** A drag with Ctrl, or with the toggle on, lays things on the surface under the pointer. */
 async function snapping(page, picture, http) {
   await page.getByRole("checkbox", { name: "Radii follow" }).check();
   const seq = await seqOf(page);

@@ -16,7 +16,7 @@ await runBrowserTest(async ({ open, picture, http }) => {
   await byFinger(open, http);
 });
 
-/** Where the pixels of a picture of 640 by 360, all of which is in sight, are on the stage. */
+/** Stage position of a pixel of a picture of 640 by 360, all of which is visible. */
 async function onStage(page, x, y) {
   const box = await page.locator("canvas").boundingBox();
   const scale = Math.min(box.width / 640, box.height / 360);
@@ -67,7 +67,7 @@ async function aShadow(page, picture, http) {
   await settled(page, seq + 1);
   await picture(page, "3-landed");
 
-  // Where there is no shadow nothing is taken, and it is said why.
+  // Without a shadow nothing is grabbed, and the reason is shown.
   const lit = await onStage(page, 330, 330);
   await page.mouse.move(lit.x, lit.y);
   await page.mouse.down();
@@ -209,7 +209,7 @@ async function aHighlight(page, picture, http) {
   await reached(page, seq + 2);
 }
 
-/** Who has no pointer takes what is in the middle. */
+/** Without a pointer the feature in the middle is grabbed. */
 async function keys(page, picture) {
   const seq = await seqOf(page);
   await page.keyboard.press("3");

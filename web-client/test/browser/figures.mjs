@@ -1,5 +1,5 @@
-// What the paper shows, by the mouse alone: the shadow is bent and the vase stays lit as it was (Fig 5, row 2), and one vase
-// is lit from elsewhere and the other is not (Fig 5, row 1, and what Fig 8 does).
+// Figures of the paper, by the mouse alone: the shadow is bent and the vase stays lit as it was (Fig 5, row 2), and one vase
+// is lit from elsewhere and the other is not (Fig 5, row 1, and Fig 8).
 
 import { expect, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
 
@@ -38,7 +38,7 @@ await runBrowserTest(async ({ open, picture, http }) => {
   await relit(page, picture, http);
 });
 
-/** Where pixels of a picture of 640 by 360, all of which is in sight, are on the stage. */
+/** Stage positions of pixels of a picture of 640 by 360, all of which is visible. */
 async function onStage(page, x, y) {
   const box = await page.locator("canvas").boundingBox();
   const scale = Math.min(box.width / 640, box.height / 360);

@@ -4,7 +4,7 @@ import { join } from "node:path";
 
 import { expect, runBrowserTest, settled } from "./page.mjs";
 
-/** What is to be seen, and whether it is. */
+/** Things that must be visible, and tests of them. */
 const STATES = [
   [
     "the selected light",

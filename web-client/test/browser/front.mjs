@@ -7,6 +7,8 @@ import { join } from "node:path";
 
 import { expect, runBrowserTest, settled } from "./page.mjs";
 
+const ROOM = JSON.stringify({ asset: { version: "2.0" }, nodes: [{ name: "wall" }] });
+
 const ADDRESS = new URL(process.argv[2]);
 const TOKEN = new URLSearchParams(ADDRESS.hash.slice(1)).get("token");
 const SCREENS = [
@@ -14,7 +16,7 @@ const SCREENS = [
   { width: 820, height: 1180 },
   { width: 390, height: 844 },
 ];
-/** As many as a studio's show has shots, or so. */
+/** Number of shots of a studio's show, roughly. */
 const MANY = 100;
 
 const api = async (method, path, body) => {
@@ -134,7 +136,8 @@ async function aSceneOfOnesOwn(page, picture) {
     const isBack = await page.evaluate(() => document.activeElement.textContent.includes("New session"));
     expect(isBack, "Closing must give the focus back to what makes sessions.");
     expect((await named("My room")) === undefined, "What is no scene makes no session.");
-    await pick(file("room.gltf", JSON.stringify({ asset: { version: "2.0" }, nodes: [{ name: "wall" }] })));
+    await dropUnderATitle(page);
+    await pick(file("room.gltf", ROOM));
     await settled(page);
     expect(hash(page).includes("session=my-room"), `The address must name it: ${hash(page)}`);
     await page.locator(".scene-name", { hasText: "room" }).waitFor();
@@ -143,6 +146,22 @@ async function aSceneOfOnesOwn(page, picture) {
   }
   await page.goBack();
   await link(page, "My room").waitFor();
+}
+
+/** A file is dropped while the dialog is open: its session has the typed name. */
+async function dropUnderATitle(page) {
+  await page.getByRole("button", { name: "New session" }).click();
+  const dialog = page.getByRole("dialog", { name: "New session" });
+  await dialog.getByLabel("Name").fill("Dropped here");
+  await page.evaluate((text) => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([text], "wall.gltf"));
+    document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+  }, ROOM);
+  await settled(page);
+  expect(hash(page).includes("session=dropped-here"), `The address must name it: ${hash(page)}`);
+  await page.goBack();
+  await link(page, "Dropped here").waitFor();
 }
 
 /** The same by keys alone. */
@@ -233,7 +252,7 @@ async function nowhere(visit, picture) {
   await started.close();
 }
 
-/** Who is in a session stands on its card, soon after they come and go; nobody deletes it under them. */
+/** Names of people in a session are on its card, soon after they come and go; nobody deletes it under them. */
 async function whoIsThere(open, page) {
   const ada = await open("Ada Lovelace");
   const { session } = Object.fromEntries(new URLSearchParams(new URL(ada.url()).hash.slice(1)));
@@ -260,13 +279,10 @@ async function whoIsThere(open, page) {
 /** A card's link, given to somebody else, opens that session and no other. */
 async function aStrangersLink(visit, page) {
   const href = await link(page, "Shot 010").getAttribute("href");
-  const stranger = await visit(href);
-  await settled(stranger);
-  expect(
-    (await stranger.locator(".session-name").textContent()) === "Shot 010",
-    "It is the one of the link.",
-  );
-  await stranger.close();
+  const visitor = await visit(href);
+  await settled(visitor);
+  expect((await visitor.locator(".session-name").textContent()) === "Shot 010", "It is the one of the link.");
+  await visitor.close();
 }
 
 /** The browser keeps pictures, and the server draws none twice. */

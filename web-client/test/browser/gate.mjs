@@ -1,4 +1,4 @@
-// What the page shows is what `render` writes: however it opens, at every shape of its stage, from every camera.
+// Tests that the page shows the picture that `render` writes: however it opens, at every shape of its stage, from every camera.
 //
 // Pictures are compared as a person would see them, shrunk to a grid; what counts as the same is half of what a twentieth
 // more or less of the picture would make, measured on the same picture.
@@ -8,7 +8,7 @@ import { expect, runBrowserTest, settled } from "./page.mjs";
 const GRID = { width: 64, height: 36 };
 const OPENINGS = 12;
 const DESKTOP = { width: 1280, height: 800 };
-/** How late something may come: longer than the other takes. */
+/** Delay of a late event: longer than the other takes. */
 const LATE_MS = 400;
 
 await runBrowserTest(async ({ open, picture, http }) => {
@@ -144,7 +144,7 @@ async function stageOf(page, { width, height }) {
   await settled(page);
 }
 
-/** What is within the gate is the still, and a gate a tenth too wide would not be. */
+/** The part within the gate equals the still; within a gate a tenth too wide it does not. */
 async function theGateHolds(page, shot, where, holds = true) {
   expect((await isSame(page, "gate", shot)) === holds, `The gate must hold what render writes: ${where}.`);
   if (holds) expect(!(await isSame(page, "gate", shot, 1.1)), `A gate too wide must be noticed: ${where}.`);
@@ -157,7 +157,7 @@ async function still(http, query) {
 }
 
 /**
- * Whether the page's picture, within its gate or within the 16:9 of its middle (`part`), is the still. `wider` makes the
+ * True if the page's picture, within its gate or within the 16:9 of its middle (`part`), is the still. `wider` makes the
  * part as many times as wide.
  */
 async function isSame(page, part, shot, wider = 1) {

@@ -3,7 +3,7 @@
 import { expect, runBrowserTest, settled } from "./page.mjs";
 
 const FIRST = { hints: true };
-/** What has to be seen where each hint points: the demo may change. */
+/** Surfaces that each hint points at: the demo may change. */
 const PLACES = [
   {
     isThere: ({ seen, lights }) => seen.node === "table" && lights[0].state === "shadowed",
@@ -40,7 +40,7 @@ function hint(page) {
   return page.getByRole("region", { name: /^Hint/ });
 }
 
-/** What the server says is seen where the hint's mark is. */
+/** Surface at the hint's mark, as the server reports it. */
 async function seenAtMark(page, http) {
   const asked = await page.evaluate(() => {
     const [mark, canvas] = [".hint-mark", "canvas"].map((name) =>

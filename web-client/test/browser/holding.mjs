@@ -95,7 +95,7 @@ async function statsTellWhatRan(page, picture) {
   expect((await panel.count()) === 0, "Stats go when they are no longer asked for.");
 }
 
-/** What each picture was that was on the screen while `work` was done: its width, how large it was shown, and what was said. */
+/** Pictures that were on the screen during `work`: their width, their displayed size, and the status text. */
 async function picturesSeen(page, work) {
   await page.evaluate(() => {
     const canvas = document.querySelector("canvas");

@@ -26,7 +26,7 @@ async function press(page, key, times) {
   for (let k = 0; k < times; k += 1) await page.keyboard.press(key);
 }
 
-/** How many records `task` makes; presses that are not yet a record become one before the next edit. */
+/** Number of records that `task` makes; presses that are not yet a record become one before the next edit. */
 async function recordsOf(page, task) {
   const seq = await seqOf(page);
   await task();
@@ -182,7 +182,7 @@ async function anotherLight(page, picture) {
   await picture(page, "3-another-light");
 }
 
-/** Where a button goes or turns grey under the keyboard. */
+/** Cases in which the focused button disappears or turns grey. */
 async function theFocusStays(page) {
   const focused = () => page.evaluate(() => document.activeElement.getAttribute("aria-label"));
   const seq = await seqOf(page);

@@ -43,7 +43,7 @@ await runBrowserTest(async ({ open, picture, http }) => {
 });
 
 async function anyPicture(page) {
-  await page.waitForFunction(() => Number(document.getElementById("page").dataset.frame) > 0);
+  await page.waitForFunction(() => Number(document.getElementById("page")?.dataset.frame) > 0);
 }
 
 async function everythingIsInReach(page, screen) {
@@ -111,7 +111,7 @@ function walk(leastPx) {
   const say = (e, what) => faults.push(`${e.tagName.toLowerCase()} "${nameOf(e) || e.textContent}" ${what}`);
   const inWindow = ({ left, top, right, bottom }) =>
     left >= -0.5 && top >= -0.5 && right <= innerWidth + 0.5 && bottom <= innerHeight + 0.5;
-  /** Whether it came into sight only by scrolling what people cannot scroll. */
+  /** True if it became visible only by scrolling what people cannot scroll. */
   const isBehindAnEdge = (e) => {
     for (let around = e.parentElement; around !== null; around = around.parentElement) {
       const { overflowX, overflowY } = getComputedStyle(around);
@@ -355,7 +355,7 @@ async function wayOf(cameras, page, task) {
   return [before, cameras.at(-1)];
 }
 
-/** Where a camera looks: its local -Z in the world. */
+/** Direction of a camera: its local -Z in the world. */
 function forward({ rotation: [x, y, z, w] }) {
   return [-2 * (x * z + w * y), -2 * (y * z - w * x), -(1 - 2 * (x * x + y * y))];
 }

@@ -1,13 +1,13 @@
-// Which nodes a light lights and which throw shadows in it: chosen in a tree, typed, picked in the picture, taken out, undone.
+// Links of a light: nodes that it lights and that throw shadows in it, chosen in a tree, typed, picked in the picture, removed, undone.
 
 import { expect, pixels, reached, runBrowserTest, seqOf, settled, unfold } from "./page.mjs";
 
-/** As a production names its nodes: 200 of them, four levels deep, with long names. */
+/** Names of nodes as in a production: 200 of them, four levels deep, with long names. */
 const SHELVES = 20;
 const THINGS = 10;
 const LONG = "env_kitchen_setdress_shelf_upper_left_a_v012_final";
 
-/** Where something is seen in the demo, as a share of the picture. */
+/** Visible points of the demo, as shares of the picture. */
 const TABLE = { x: 0.5, y: 0.85 };
 
 await runBrowserTest(async ({ open, picture, http, send }) => {
@@ -65,7 +65,7 @@ async function nodesAreChosen(page, picture, http) {
   const chosen = await node(page, /blue vase.*Not/).getAttribute("aria-selected");
   expect(chosen === "true", "The tree must say what is chosen.");
 
-  // What names nothing here is refused where it is typed, and the shot stays as bright as it was.
+  // A path that names nothing is refused in its field, and the shot stays as bright as it was.
   const seq = await seqOf(page);
   const find = links.getByRole("searchbox", { name: "Lights: find nodes" });
   await find.fill("attic/chair");

@@ -1,4 +1,4 @@
-// What each person has of their own: exposure and lights seen alone; and what is done to a light as a whole, for all.
+// Settings of each viewer alone: exposure and solo lights; and actions on a light as a whole, for all.
 
 import { comesToShow, expect, field, pixels, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
 

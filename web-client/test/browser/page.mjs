@@ -1,4 +1,4 @@
-// What the browser tests share: a browser, pages of a session, and what can be asked of them.
+// Shared parts of the browser tests: a browser, pages of a session, and queries of them.
 
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
@@ -13,6 +13,9 @@ const PATIENCE_MS = 120_000;
 /** Within this a picture has to be what it should; many times what it takes on a busy machine, so that it only tells that it never will be. */
 const SOON_MS = 30_000;
 
+/** Wide enough for the layout of large screens, and small, so that pictures are drawn soon. */
+const WINDOW = { width: 1120, height: 600 };
+
 const CHROMIUM = {
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
   args: [
@@ -23,6 +26,8 @@ const CHROMIUM = {
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
+    // Lets tests collect garbage when it hurts.
+    "--js-flags=--expose-gc",
   ],
 };
 
@@ -50,13 +55,13 @@ export async function runBrowserTest(test) {
   try {
     const namesOne = new URLSearchParams(new URL(address).hash.slice(1)).has("session");
     const session = namesOne ? await newSession(address) : null;
-    const open = async (name, viewport = { width: 1280, height: 760 }, options = {}) => {
+    const open = async (name, viewport = WINDOW, options = {}) => {
       const page = await openPage(browser, session, name, viewport, options);
       pages.push(page);
       return page;
     };
     const visit = async (fragment) => {
-      const page = await browser.newPage({ viewport: { width: 1280, height: 760 } });
+      const page = await browser.newPage({ viewport: WINDOW });
       pages.push(page);
       await page.goto(`${new URL(address).origin}/${fragment}`);
       return page;
@@ -142,7 +147,7 @@ async function openPage(
   return page;
 }
 
-/** What the page says about itself on its root element. */
+/** State on the page's root element. */
 export const state = (page) => page.evaluate(() => ({ ...document.getElementById("page").dataset }));
 
 /** The latest record that the page knows. */
@@ -156,7 +161,8 @@ export async function reached(page, seq) {
 /** Waits until the page shows the lossless picture of record `seq` or later, and of all that it knows. */
 export async function settled(page, seq = 0) {
   await page.waitForFunction((seq) => {
-    const { connection, ...page } = document.getElementById("page").dataset;
+    // It is missing until a page that is loaded again has drawn itself.
+    const { connection, ...page } = document.getElementById("page")?.dataset ?? {};
     const isNew = Number(page.seq) >= seq && Number(page.frameLogSeq) >= Number(page.pictureSeq);
     const isHere = page.following !== "" || Number(page.frameCameraRevision) >= Number(page.cameraRevision);
     return connection === "connected" && isNew && isHere && page.frameSettle === "true";
@@ -191,7 +197,7 @@ export async function keepPicture(page) {
   });
 }
 
-/** How much the picture differs from the kept one: by how many of 255 at most, and how many pixels by more than 1. */
+/** Difference of the picture from the kept one: the maximum of 255, and the number of pixels that differ by more than 1. */
 export async function difference(page) {
   return page.evaluate(() => {
     const { data: kept, width, height } = window.keptPicture;

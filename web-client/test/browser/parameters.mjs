@@ -33,7 +33,7 @@ await runBrowserTest(async ({ open, picture }) => {
   await noTable(open, picture);
 });
 
-/** As if the server had one parameter more. */
+/** Adds a parameter to the table of the server. */
 async function tellOfGain(page) {
   await page.route("**/parameters", async (route) => {
     const response = await route.fetch();

@@ -1,4 +1,4 @@
-// What trash removes: at once where it is one thing, and once a person has agreed where pins go too.
+// Removal by trash: at once for one thing, and after a confirmation where pins go too.
 
 import { expect, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
 

@@ -65,7 +65,7 @@ await runBrowserTest(async ({ open, picture }) => {
   await page.mouse.click(450, 300);
   await list.waitFor({ state: "hidden" });
 
-  // As versions before names of scenes logged it.
+  // Log entry of versions before names of scenes.
   await load(page, "demo:vases", `sha256:${"0123456789abcdef".repeat(4)}`);
   await page.getByText("scene 01234567", { exact: true }).waitFor();
   expect((await notes.count()) === 0, "The notes of a scene must go with it.");

@@ -61,7 +61,7 @@ await runBrowserTest(async ({ open, picture, http }) => {
   await overtakenStepsAreSaid(ada, http);
 });
 
-/** What others have overtaken stays, and the first press says so; the second goes on to the step before. */
+/** Steps that other actors have overtaken stay, and the first press says so; the second undoes the step before. */
 async function overtakenStepsAreSaid(ada, http) {
   const edit = (who, target, value) =>
     http("/edits", {

@@ -2,7 +2,7 @@
 
 import { expect, field, pixels, runBrowserTest, seqOf, settled, unfold } from "./page.mjs";
 
-/** Where something is seen in the demo: on the table, and on a vase. */
+/** Visible points of the demo: on the table, and on a vase. */
 const PLACES = [
   { x: 0.35, y: 0.72 },
   { x: 0.62, y: 0.5 },
@@ -137,7 +137,7 @@ function cameraOf(page) {
   return page.evaluate(() => JSON.parse(document.getElementById("page").dataset.camera));
 }
 
-/** What is seen at a place of the picture, a share of its sides. */
+/** Surface at a point of the picture, a share of its sides. */
 async function seenAt(page, http, canvas, { x, y }) {
   const size = [Math.round(canvas.width), Math.round(canvas.height)];
   const camera = { own: await cameraOf(page) };

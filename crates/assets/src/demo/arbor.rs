@@ -5,12 +5,11 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec4};
 use light::Light;
-use light::parameters::{CONE_SOFTNESS, NAME, TRANSLATION};
-use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Sampler, Scene, TextureRef, Wrap};
+use scene::{Fill, Material, Primitive, Sampler, Scene, TextureRef, Wrap};
 
 use super::cutouts::{lattice, leaf, pierced};
 use super::lathe::lathe;
-use super::stage::{Cyclorama, contents, look_at};
+use super::stage::{Cyclorama, add_node, camera, key_light, key_point, loaded, paint};
 use crate::LoadedScene;
 
 /// Version of the scene. Raise it whenever the scene changes, because logs refer to the scene by it.
@@ -21,21 +20,16 @@ const LEAVES: u32 = 76;
 
 /// Builds the scene `arbor`.
 pub fn arbor() -> LoadedScene {
-    let mut scene = Scene { fill: fill(), ..Scene::default() };
+    // A cool sky over a warm terrace, weak enough that shadows stay dark.
+    let fill = Fill { sky: DVec3::new(0.12, 0.135, 0.17), ground: DVec3::new(0.08, 0.07, 0.06) };
+    let mut scene = Scene { fill, ..Scene::default() };
     scene.images = vec![leaf(128), lattice(64), pierced(64)];
     let [leaf, lattice, pierced] = [0, 1, 2];
 
-    let terrace =
-        Cyclorama { half_width: 7.0, front_z: 6.0, bend_z: -2.2, bend_radius: 1.6, height: 5.0, strips: 20 };
-    add_node(&mut scene, "terrace", matte([0.60, 0.56, 0.50]), terrace.surface(), DAffine3::IDENTITY);
-    let clay = matte([0.55, 0.22, 0.11]);
-    add_node(
-        &mut scene,
-        "pot",
-        clay,
-        lathe(&pot()),
-        DAffine3::from_translation(DVec3::new(-1.05, 0.0, -0.10)),
-    );
+    let terrace = Cyclorama { half_width: 7.0, front_z: 6.0, bend_z: -2.2, bend_radius: 1.6, height: 5.0, strips: 20 };
+    add_node(&mut scene, "terrace", paint([0.60, 0.56, 0.50], 0.85), terrace.surface(), DAffine3::IDENTITY);
+    let clay = paint([0.55, 0.22, 0.11], 0.85);
+    add_node(&mut scene, "pot", clay, lathe(&pot()), DAffine3::from_translation(DVec3::new(-1.05, 0.0, -0.10)));
 
     let slats = cut_out([0.50, 0.42, 0.31, 1.0], 0.5, lattice, [Wrap::Repeat; 2]);
     add_node(&mut scene, "lattice", slats, panel(), arbor_from_local());
@@ -52,54 +46,21 @@ pub fn arbor() -> LoadedScene {
     };
     let at = DAffine3::from_translation(DVec3::new(0.85, 0.0, -0.35));
     add_node(&mut scene, "lantern", brass, lantern(), at);
-    LoadedScene { scene, contents: contents(key(), camera()), name: None, notes: Vec::new() }
+    // It frames the lattice, the lantern and their light patterns on the terrace.
+    loaded(scene, key(), camera(DVec3::new(0.40, 1.95, 4.5), DVec3::new(0.06, 0.50, -0.1), 26.0))
 }
 
 /// Returns the key light. It comes from the upper left front through the lattice, then bends down onto the
 /// terrace and towards the camera.
-///
-/// The table has one row per control point. Positions are in world space; the light's local space starts at the
-/// first.
 fn key() -> Light {
-    #[rustfmt::skip]
-    let rows = [
-        //     position                 radius  intensity
-        ([-2.90,  2.60,  2.10],          0.40,   6.0),
-        ([-1.95,  2.10,  0.80],          0.75,   6.0),
-        ([-0.55,  1.40, -0.30],          0.92,   6.0),
-        ([ 0.75,  0.45, -0.35],          1.00,   4.5),
-        ([ 1.90, -1.10,  0.35],          1.20,   3.5),
+    let points = vec![
+        key_point([-2.90, 2.60, 2.10], 0.40, 6.0),
+        key_point([-1.95, 2.10, 0.80], 0.75, 6.0),
+        key_point([-0.55, 1.40, -0.30], 0.92, 6.0),
+        key_point([0.75, 0.45, -0.35], 1.00, 4.5),
+        key_point([1.90, -1.10, 0.35], 1.20, 3.5),
     ];
-    let source = DVec3::from_array(rows[0].0);
-    let points = rows.iter().map(|(position, ..)| DVec3::from_array(*position) - source).collect();
-    let light = Light::bendy(points, rows.iter().map(|(_, radius, _)| *radius).collect());
-    let color = DVec3::new(1.0, 0.86, 0.66);
-    light
-        .with(NAME, "key".into())
-        .with(TRANSLATION, source)
-        .with(CONE_SOFTNESS, 0.3)
-        .map_points(|index, point| (point.color, point.intensity) = (color, rows[index].2))
-}
-
-/// Returns a cool sky over a warm terrace, weak enough that shadows stay dark.
-fn fill() -> Fill {
-    Fill { sky: DVec3::new(0.12, 0.135, 0.17), ground: DVec3::new(0.08, 0.07, 0.06) }
-}
-
-/// Returns a camera that frames the lattice, the lantern and their light patterns on the terrace.
-fn camera() -> Camera {
-    let translation = DVec3::new(0.40, 1.95, 4.5);
-    Camera {
-        name: "camera".into(),
-        translation,
-        rotation: look_at(translation, DVec3::new(0.06, 0.50, -0.1)),
-        projection: Projection::Perspective {
-            yfov: 26.0_f64.to_radians(),
-            aspect_ratio: None,
-            znear: 0.1,
-            zfar: None,
-        },
-    }
+    key_light(DVec3::new(1.0, 0.86, 0.66), points)
 }
 
 /// Returns the transform from the lattice's local space, in which it stands in the plane z = 0 with its foot
@@ -121,15 +82,15 @@ fn panel() -> Primitive {
     }
 }
 
-/// Returns the leaves whose index is `wanted`, in the lattice's local space. They are evenly spaced by the "R2"
+/// Returns the leaves whose index is `included`, in the lattice's local space. They are evenly spaced by the "R2"
 /// low-discrepancy sequence, denser towards the top, and have different rotations.
-fn leaves(wanted: impl Fn(u32) -> bool) -> Primitive {
+fn leaves(included: impl Fn(u32) -> bool) -> Primitive {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     const SQUARED: f64 = PLASTIC * PLASTIC;
     const FOURTH: f64 = SQUARED * SQUARED;
     const POWERS: [f64; 5] = [PLASTIC, SQUARED, PLASTIC * SQUARED, FOURTH, PLASTIC * FOURTH];
     let mut made = Primitive::default();
-    for k in (0..LEAVES).filter(|k| wanted(*k)) {
+    for k in (0..LEAVES).filter(|k| included(*k)) {
         let [x, y, turn, lean, large] = POWERS.map(|power| (0.5 + f64::from(k) / power).fract());
         let at = DVec3::new(1.7 * x - 0.85, 0.2 + 1.3 * libm::sqrt(y), 0.03 + 0.12 * lean);
         let size = 0.09 + 0.07 * large;
@@ -183,15 +144,10 @@ fn lantern() -> Primitive {
 }
 
 /// Returns the profile of a low pot as control points of radius and height; see [`lathe`].
-fn pot() -> Vec<DVec2> {
-    let outside =
-        [(0.0, 0.02), (0.10, 0.02), (0.13, 0.0), (0.15, 0.01), (0.18, 0.12), (0.21, 0.24), (0.23, 0.27)];
+fn pot() -> Vec<(f64, f64)> {
+    let outside = [(0.0, 0.02), (0.10, 0.02), (0.13, 0.0), (0.15, 0.01), (0.18, 0.12), (0.21, 0.24), (0.23, 0.27)];
     let inside = [(0.23, 0.29), (0.21, 0.29), (0.19, 0.24), (0.16, 0.12), (0.08, 0.08), (0.0, 0.08)];
-    outside.into_iter().chain(inside).map(DVec2::from).collect()
-}
-
-fn matte([r, g, b]: [f32; 3]) -> Material {
-    Material { base_color: Vec4::new(r, g, b, 1.0), roughness: 0.85, ..Material::default() }
+    [&outside[..], &inside].concat()
 }
 
 /// Returns a double-sided, alpha-tested material.
@@ -207,35 +163,14 @@ fn cut_out(base_color: [f32; 4], alpha_cutoff: f32, image: usize, [wrap_u, wrap_
     }
 }
 
-/// Adds a node called `name`, with `surface` as its only primitive.
-fn add_node(scene: &mut Scene, name: &str, mut material: Material, surface: Primitive, at: DAffine3) {
-    let primitive = Primitive { material: scene.materials.len(), ..surface };
-    material.name = name.into();
-    scene.materials.push(material);
-    let mesh = Some(scene.meshes.len());
-    scene.nodes.push(Node { name: name.into(), parent: None, parent_from_local: at, mesh });
-    scene.meshes.push(Mesh { name: name.into(), primitives: vec![primitive] });
-}
-
 #[cfg(test)]
 mod tests {
-    use light::Tube;
-
     use super::*;
-
-    /// The tube fulfils `R kappa < 1` everywhere (light model, section 3).
-    #[test]
-    fn key_light_does_not_fold() {
-        let light = key();
-        assert!(Tube::new(&light).is_ok());
-        let light = light.map_points(|_, point| point.radius *= 2.0);
-        assert!(Tube::new(&light).is_err(), "a tube twice as wide folds");
-    }
 
     /// The scene covers every wrap mode and alpha of vertices and materials. Every picture has both opaque and
     /// transparent parts.
     #[test]
-    fn holes_are_cut_in_every_way() {
+    fn the_scene_covers_every_kind_of_alpha_test() {
         let scene = arbor().scene;
         let tested: Vec<_> = scene.materials.iter().filter(|m| m.alpha_cutoff.is_some()).collect();
         for wrap in [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge] {

@@ -20,8 +20,8 @@ pub fn leaf(side: u32) -> Image {
         let reach = 0.27 + 0.15 * lobes + 0.015 * teeth + 0.03 * libm::cos(angle) - notch;
         let stalk = 0.016 - from_middle.x.abs();
         let stalk = if from_middle.y > 0.0 && at.y < 0.97 { stalk } else { -1.0 };
-        let bitten = [(0.61, 0.36, 0.045), (0.36, 0.61, 0.035)]
-            .map(|(x, y, radius)| at.distance(DVec2::new(x, y)) - radius);
+        let bitten =
+            [(0.61, 0.36, 0.045), (0.36, 0.61, 0.035)].map(|(x, y, radius)| at.distance(DVec2::new(x, y)) - radius);
         let inside = (reach - from_middle.length()).max(stalk).min(bitten[0]).min(bitten[1]);
 
         let vein = libm::exp(-900.0 * libm::pow(libm::sin(2.5 * angle) * from_middle.length(), 2.0));
@@ -40,8 +40,7 @@ pub fn lattice(side: u32) -> Image {
         };
         let (rising, falling) = (from_lath(at.x + at.y), from_lath(at.x - at.y));
         let wood = DVec3::new(0.74, 0.62, 0.46);
-        let grain =
-            0.92 + 0.08 * libm::sin(TAU * 6.0 * if rising > falling { at.x - at.y } else { at.x + at.y });
+        let grain = 0.92 + 0.08 * libm::sin(TAU * 6.0 * if rising > falling { at.x - at.y } else { at.x + at.y });
         (wood * grain * if rising > falling { 1.0 } else { 0.85 }, rising.max(falling))
     })
 }
@@ -49,8 +48,7 @@ pub fn lattice(side: u32) -> Image {
 /// Returns a quarter of a rosette of holes, to be mirrored.
 pub fn pierced(side: u32) -> Image {
     picture(side, |at| {
-        let holes =
-            [(0.0, 0.0, 0.20), (0.50, 0.50, 0.17), (1.0, 1.0, 0.14), (0.44, 0.07, 0.09), (0.07, 0.44, 0.09)];
+        let holes = [(0.0, 0.0, 0.20), (0.50, 0.50, 0.17), (1.0, 1.0, 0.14), (0.44, 0.07, 0.09), (0.07, 0.44, 0.09)];
         let nearest = holes.into_iter().map(|(x, y, radius)| at.distance(DVec2::new(x, y)) - radius);
         (DVec3::splat(0.95), nearest.fold(f64::INFINITY, f64::min))
     })

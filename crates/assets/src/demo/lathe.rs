@@ -18,8 +18,8 @@ const AROUND: usize = 60;
 /// The profile starts and ends on the axis, at its first and last control point, and keeps the outside on its
 /// right: from under the foot up the outer wall, over the lip, and down inside. Its first and last step are
 /// level, so that the surface is smooth on the axis. Normals are those of the spline.
-pub fn lathe(profile: &[DVec2]) -> Primitive {
-    let rows: Vec<(DVec2, DVec2)> = sample(profile);
+pub fn lathe(profile: &[(f64, f64)]) -> Primitive {
+    let rows = sample(&profile.iter().copied().map(DVec2::from).collect::<Vec<_>>());
     let ground = rows.iter().fold(f64::INFINITY, |least, (point, _)| least.min(point.y));
     let mut made = Primitive::default();
     for (point, tangent) in &rows {
@@ -55,9 +55,8 @@ pub fn lathe(profile: &[DVec2]) -> Primitive {
 /// lips look round.
 fn sample(control: &[DVec2]) -> Vec<(DVec2, DVec2)> {
     let last = control.len() - 1;
-    let mut p = vec![2.0 * control[0] - control[1]];
-    p.extend_from_slice(control);
-    p.push(2.0 * control[last] - control[last - 1]);
+    let (before, after) = (2.0 * control[0] - control[1], 2.0 * control[last] - control[last - 1]);
+    let p = [&[before], control, &[after]].concat();
     let at = |row: usize| {
         let span = (row / TRIED_PER_SPAN).min(last - 1);
         let u = (row - span * TRIED_PER_SPAN) as f64 / TRIED_PER_SPAN as f64;
@@ -82,8 +81,8 @@ fn sample(control: &[DVec2]) -> Vec<(DVec2, DVec2)> {
     let effort = |k: usize| length[k] / whole_length + turn[k] / whole_turn;
     let mut chosen: Vec<usize> = (0..ROWS)
         .map(|row| {
-            let wanted = 2.0 * row as f64 / (ROWS - 1) as f64;
-            (0..tried.len()).find(|&k| effort(k) >= wanted - 1e-9).unwrap_or(tried.len() - 1)
+            let target = 2.0 * row as f64 / (ROWS - 1) as f64;
+            (0..tried.len()).find(|&k| effort(k) >= target - 1e-9).unwrap_or(tried.len() - 1)
         })
         .collect();
     chosen.dedup();
@@ -99,20 +98,13 @@ fn basis(u: f64) -> ([f64; 4], [f64; 4]) {
         (4.0 - 6.0 * s * s + 3.0 * s * s * s) / 6.0,
         u * u * u / 6.0,
     ];
-    let derivatives =
-        [-s * s / 2.0, (3.0 * u * u - 4.0 * u) / 2.0, (4.0 * s - 3.0 * s * s) / 2.0, u * u / 2.0];
+    let derivatives = [-s * s / 2.0, (3.0 * u * u - 4.0 * u) / 2.0, (4.0 * s - 3.0 * s * s) / 2.0, u * u / 2.0];
     (weights, derivatives)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn cup() -> Vec<DVec2> {
-        let points =
-            [(0.0, 0.3), (0.2, 0.3), (0.3, 0.2), (0.4, 0.5), (0.3, 1.0), (0.2, 0.9), (0.1, 0.4), (0.0, 0.4)];
-        points.iter().map(|&p| DVec2::from(p)).collect()
-    }
 
     #[test]
     fn weights_sum_to_one_and_derivatives_are_theirs() {
@@ -131,7 +123,8 @@ mod tests {
 
     #[test]
     fn triangles_wind_with_their_normals_and_close_the_surface() {
-        let made = lathe(&cup());
+        let cup = [(0.0, 0.3), (0.2, 0.3), (0.3, 0.2), (0.4, 0.5), (0.3, 1.0), (0.2, 0.9), (0.1, 0.4), (0.0, 0.4)];
+        let made = lathe(&cup);
         let (triangles, _) = made.indices.as_chunks::<3>();
         // By the divergence theorem a closed surface with outward winding has a positive volume. This one is a
         // thick cup.

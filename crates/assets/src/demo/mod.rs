@@ -35,8 +35,7 @@ pub fn demo_bytes(name: &str) -> Option<Vec<u8>> {
 pub fn demo_from_bytes(bytes: &[u8]) -> Option<Result<LoadedScene, AssetFault>> {
     let named = bytes.strip_prefix(LINE_START.as_bytes())?;
     let found = DEMO_NAMES.iter().find(|(name, _)| demo_bytes(name).as_deref() == Some(bytes));
-    let unknown =
-        || AssetFault::UnknownDemo(excerpt(String::from_utf8_lossy(named).trim_end(), MAX_MESSAGE_CHARS));
+    let unknown = || AssetFault::UnknownDemo(excerpt(String::from_utf8_lossy(named).trim_end(), MAX_MESSAGE_CHARS));
     Some(found.and_then(|(name, _)| demo(name)).ok_or_else(unknown))
 }
 
@@ -55,6 +54,7 @@ fn versioned(name: &str) -> Option<(u32, fn() -> LoadedScene)> {
 #[cfg(test)]
 mod tests {
     use document::SceneContents;
+    use light::Tube;
     use scene::Scene;
     use sha2::{Digest, Sha256};
 
@@ -68,6 +68,19 @@ mod tests {
         assert!(demo("no such scene").is_none());
     }
 
+    /// The tubes fulfil `R kappa < 1` everywhere (light model, section 3), that of the vases with a margin for edits.
+    #[test]
+    fn key_lights_do_not_fold() {
+        for (name, limit) in [("vases", 0.9), ("arbor", 1.0)] {
+            let light = demo(name).unwrap().contents.lights[0].light().clone();
+            assert_eq!(light.points().len(), 5, "{name}: three segments");
+            let r_kappa = Tube::new(&light).unwrap().r_kappa_max().into_iter().fold(0.0, f64::max);
+            assert!(r_kappa < limit, "{name}: {r_kappa}");
+            let wide = light.map_points(|_, point| point.radius *= 2.0);
+            assert!(Tube::new(&wide).is_err(), "{name}: a tube twice as wide folds");
+        }
+    }
+
     /// Computes SHA-256 over the text of a whole demo scene. The shortest decimals identify a float to its last
     /// bit.
     fn digest(demo: &LoadedScene) -> String {
@@ -77,7 +90,8 @@ mod tests {
         let text = format!("{nodes:?} {meshes:?} {materials:?} {cameras:?} {lights:?} {fill:?}");
         // The debug text of a picture has no pixels.
         let pixels = images.iter().flat_map(|image| &image.rgba8).copied();
-        format!("{:x}", Sha256::digest(text.into_bytes().into_iter().chain(pixels).collect::<Vec<_>>()))
+        let hash = Sha256::digest(text.into_bytes().into_iter().chain(pixels).collect::<Vec<_>>());
+        const_hex::const_encode::<32, false>(&hash.into()).as_str().into()
     }
 
     /// Logs refer to a demo by its version. If this test fails because the scene changed, raise its version. If

@@ -13,7 +13,7 @@ use super::ImportSource;
 use crate::fault::invalid_gltf;
 use crate::{AssetFault, ImportLimit};
 
-/// Position of an accessor's elements in a buffer.
+/// Bytes of a buffer that hold an accessor's elements, or its sparse indices or values.
 struct Span {
     buffer: usize,
     bytes: Range<usize>,
@@ -36,7 +36,7 @@ pub fn check(root: &Root) -> Result<(), AssetFault> {
     Ok(())
 }
 
-/// Positions of an accessor's elements, and of its sparse indices and values.
+/// Bytes that hold an accessor's elements, and those that hold its sparse indices and values.
 #[derive(Default)]
 struct Layout {
     dense: Option<Span>,
@@ -117,10 +117,7 @@ impl ImportSource<'_> {
         integers: IntegerConversion,
     ) -> Result<Vec<[f32; N]>, AssetFault> {
         if components(accessor) != N {
-            return Err(invalid_gltf(format!(
-                "an attribute has {} components instead of {N}",
-                components(accessor)
-            )));
+            return Err(invalid_gltf(format!("an attribute has {} components instead of {N}", components(accessor))));
         }
         let kind = component_type(accessor);
         let normalized = accessor.normalized || integers == IntegerConversion::Normalized;
@@ -159,15 +156,14 @@ impl ImportSource<'_> {
         if let (Some((indices, replacements)), Some(sparse)) = (&layout.sparse, &accessor.sparse)
             && let Checked::Valid(kind) = sparse.indices.component_type
         {
-            let places = self.slices(indices).map(|bytes| unsigned_at(bytes, kind.0) as usize);
-            if !places.clone().is_sorted_by(|a, b| a < b) {
+            let replaced = self.slices(indices).map(|bytes| unsigned_at(bytes, kind.0) as usize);
+            if !replaced.clone().is_sorted_by(|a, b| a < b) {
                 return Err(invalid_gltf("the indices of a sparse accessor do not strictly increase"));
             }
-            for (place, bytes) in places.zip(self.slices(replacements)) {
-                let value = values.get_mut(place);
-                *value.ok_or_else(|| {
-                    invalid_gltf("a sparse accessor replaces an element it does not have")
-                })? = decode(bytes);
+            for (index, bytes) in replaced.zip(self.slices(replacements)) {
+                let value = values.get_mut(index);
+                *value.ok_or_else(|| invalid_gltf("a sparse accessor replaces an element it does not have"))? =
+                    decode(bytes);
             }
         }
         Ok(values)
@@ -185,9 +181,7 @@ fn unsigned_at(bytes: &[u8], kind: ComponentType) -> u32 {
     match kind {
         ComponentType::U8 | ComponentType::I8 => u32::from(bytes[0]),
         ComponentType::U16 | ComponentType::I16 => u32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
-        ComponentType::U32 | ComponentType::F32 => {
-            u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
-        }
+        ComponentType::U32 | ComponentType::F32 => u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
     }
 }
 

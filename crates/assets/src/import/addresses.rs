@@ -113,8 +113,7 @@ mod tests {
         for inside in ["a.bin", "sub/a.bin", "a..b.bin", "com0.bin", "console.bin", "täst é.png", "./a"] {
             assert_eq!(stays_inside(inside), Ok(()), "{inside}");
         }
-        let outside =
-            ["../a", "a/../../b", "/etc/passwd", "..\\a", "file:///a", "http://x/a", "C:a", "NUL", "con.bin"];
+        let outside = ["../a", "a/../../b", "/etc/passwd", "..\\a", "file:///a", "http://x/a", "C:a", "NUL", "con.bin"];
         for outside in outside.into_iter().chain(["sub/COM1", "lpt9.txt", "a\0b", "\\\\host\\share"]) {
             assert!(stays_inside(outside).is_err(), "{outside}");
         }

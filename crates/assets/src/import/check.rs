@@ -94,15 +94,9 @@ fn indices(root: &Root) -> Result<(), AssetFault> {
     }
     let mut first = None;
     root.validate(root, Path::new, &mut |path, error| {
-        if first.is_none()
-            && error != Error::Unsupported
-            && !(error == Error::Missing && is_optional(&path()))
-        {
-            first = Some(invalid_gltf(format!(
-                "{} at {}",
-                describe(error),
-                excerpt(path().as_str(), MAX_MESSAGE_CHARS)
-            )));
+        if first.is_none() && error != Error::Unsupported && !(error == Error::Missing && is_optional(&path())) {
+            first =
+                Some(invalid_gltf(format!("{} at {}", describe(error), excerpt(path().as_str(), MAX_MESSAGE_CHARS))));
         }
     });
     if let Some(fault) = first {
@@ -155,17 +149,11 @@ fn node_tree(root: &Root) -> Result<(), AssetFault> {
 
 fn note_rest_pose(root: &Root, notes: &mut Notes) {
     if !root.animations.is_empty() {
-        notes.add(
-            "animations are not played, everything is at rest",
-            format!("{} of them", root.animations.len()),
-        );
+        notes.add("animations are not played, everything is at rest", format!("{} of them", root.animations.len()));
     }
     for (index, mesh) in root.meshes.iter().enumerate() {
         if mesh.primitives.iter().any(|p| p.targets.as_ref().is_some_and(|t| !t.is_empty())) {
-            notes.add(
-                "morph targets are not applied",
-                super::display_name(mesh.name.as_deref(), "mesh", index),
-            );
+            notes.add("morph targets are not applied", super::display_name(mesh.name.as_deref(), "mesh", index));
         }
     }
     for (index, skin) in root.skins.iter().enumerate() {

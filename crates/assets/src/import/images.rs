@@ -13,14 +13,9 @@ use crate::{AssetFault, ImportLimit};
 
 /// Decodes the picture at `index` in the file. Its first bytes select the format, because declared types are
 /// often wrong.
-pub fn read(
-    source: &ImportSource,
-    index: usize,
-    report: &mut ImportReport,
-) -> Result<scene::Image, AssetFault> {
+pub fn read(source: &ImportSource, index: usize, report: &mut ImportReport) -> Result<scene::Image, AssetFault> {
     let bytes = bytes(source, &source.root.images[index], report)?;
-    let refuse =
-        |why: String| AssetFault::Picture { image: index, why: excerpt(&why, 2 * MAX_MESSAGE_CHARS) };
+    let refuse = |why: String| AssetFault::Picture { image: index, why: excerpt(&why, 2 * MAX_MESSAGE_CHARS) };
     let format = image::guess_format(&bytes).map_err(|error| refuse(error.to_string()))?;
     if !matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP) {
         return Err(refuse(format!("{} is not a format of glTF", format.to_mime_type())));

@@ -19,14 +19,14 @@ const MAX_CONE_ANGLE_DEGREES: f64 = 89.9;
 const DEFAULT_CONE_ANGLE_DEGREES: f64 = 45.0;
 
 /// Returns every light of the drawn scene, in node order. Invalid numbers are replaced, with a note.
-pub fn read(source: &ImportSource, places: &[PlacedNode], notes: &mut Notes) -> Vec<Arc<CheckedLight>> {
+pub fn read(source: &ImportSource, nodes: &[PlacedNode], notes: &mut Notes) -> Vec<Arc<CheckedLight>> {
     let mut lights = Vec::new();
-    for place in places {
-        let Some(node) = place.node.map(|index| &source.root.nodes[index]) else { continue };
+    for placed in nodes {
+        let Some(node) = placed.node.map(|index| &source.root.nodes[index]) else { continue };
         let extension = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
         let Some(light) = extension.and_then(|e| source.root.get(e.light)) else { continue };
         let name = display_name(node.name.as_deref().or(light.name.as_deref()), "light", lights.len());
-        match CheckedLight::new(light_from_gltf(light, place, &name, notes)) {
+        match CheckedLight::new(light_from_gltf(light, placed, &name, notes)) {
             Ok(light) => lights.push(Arc::new(light)),
             // All other numbers are valid by now.
             Err(_) => notes.add("lights that stand infinitely far away are left out", name),
@@ -36,8 +36,8 @@ pub fn read(source: &ImportSource, places: &[PlacedNode], notes: &mut Notes) -> 
 }
 
 /// Converts a light. Angles become degrees; intensities stay in candela or lux.
-fn light_from_gltf(light: &GltfLight, place: &PlacedNode, name: &str, notes: &mut Notes) -> Light {
-    let world_from_light = rigid(&place.world_from_local);
+fn light_from_gltf(light: &GltfLight, placed: &PlacedNode, name: &str, notes: &mut Notes) -> Light {
+    let world_from_light = rigid(&placed.world_from_local);
     let transform = Transform {
         translation: world_from_light.translation,
         rotation: DQuat::from_mat3(&world_from_light.matrix3),

@@ -70,9 +70,7 @@ impl ImageCache {
             report.notes.add("all pictures of a material are placed as its base colour is", name.as_str());
         }
         let alpha_cutoff = match material.alpha_mode {
-            Checked::Valid(AlphaMode::Mask) => {
-                Some(material.alpha_cutoff.unwrap_or_default().0.clamp(0.0, 1.0))
-            }
+            Checked::Valid(AlphaMode::Mask) => Some(material.alpha_cutoff.unwrap_or_default().0.clamp(0.0, 1.0)),
             Checked::Valid(AlphaMode::Blend) => Some(0.5),
             Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => None,
         };
@@ -83,9 +81,7 @@ impl ImageCache {
                 metallic: pbr.metallic_factor.0.clamp(0.0, 1.0),
                 roughness: pbr.roughness_factor.0.clamp(0.0, 1.0),
                 base_color_texture: base.map(|info| self.texture(source, info, report)).transpose()?,
-                metallic_roughness_texture: rough
-                    .map(|info| self.texture(source, info, report))
-                    .transpose()?,
+                metallic_roughness_texture: rough.map(|info| self.texture(source, info, report)).transpose()?,
                 alpha_cutoff,
                 double_sided: material.double_sided,
             },
@@ -101,10 +97,7 @@ impl ImageCache {
     ) -> Result<TextureRef, AssetFault> {
         let missing = || invalid_gltf("a texture names no picture that can be read");
         let texture = source.root.get(info.index).ok_or_else(missing)?;
-        let webp = texture
-            .extensions
-            .as_ref()
-            .and_then(|e| e.others.get("EXT_texture_webp")?.get("source")?.as_u64());
+        let webp = texture.extensions.as_ref().and_then(|e| e.others.get("EXT_texture_webp")?.get("source")?.as_u64());
         let index = webp.map_or(texture.source.value(), |index| index as usize);
         if index >= source.root.images.len() {
             return Err(missing());
@@ -116,8 +109,7 @@ impl ImageCache {
             self.decoded.insert(index, self.images.len() - 1);
             self.images.len() - 1
         };
-        let sampler =
-            texture.sampler.and_then(|sampler| source.root.get(sampler)).map(sampler).unwrap_or_default();
+        let sampler = texture.sampler.and_then(|sampler| source.root.get(sampler)).map(sampler).unwrap_or_default();
         Ok(TextureRef { image, sampler })
     }
 }

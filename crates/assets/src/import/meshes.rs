@@ -78,32 +78,38 @@ fn assemble(
     look: &ImportedMaterial,
     report: &mut ImportReport,
 ) -> Result<Primitive, AssetFault> {
-    let positions = attribute(source, primitive, Semantic::Positions)?;
-    let positions =
-        positions.map_or(Ok(Vec::new()), |a| source.floats::<3>(a, IntegerConversion::AsDeclared))?;
-    let normals = attribute(source, primitive, Semantic::Normals)?;
-    let normals = normals.map(|a| source.floats::<3>(a, IntegerConversion::AsDeclared)).transpose()?;
-    let uvs = attribute(source, primitive, Semantic::TexCoords(look.coordinates.set))?;
-    let uvs = uvs.map_or(Ok(Vec::new()), |a| source.floats::<2>(a, IntegerConversion::AsDeclared))?;
-    let place = |uv| look.coordinates.picture_from_stored.transform_point2(Vec2::from_array(uv));
-    let uvs: Vec<Vec2> = uvs.into_iter().map(place).collect();
+    let positions = vectors::<3>(source, primitive, Semantic::Positions)?;
+    let normals = vectors::<3>(source, primitive, Semantic::Normals)?;
+    let uvs = vectors::<2>(source, primitive, Semantic::TexCoords(look.coordinates.set))?;
+    let in_picture = |uv| look.coordinates.picture_from_stored.transform_point2(Vec2::from_array(uv));
+    let uvs: Vec<Vec2> = uvs.into_iter().map(in_picture).collect();
     if !uvs.iter().all(|uv| uv.is_finite()) {
         return Err(invalid_gltf("texture coordinates are not finite"));
     }
-    let smooth = normals.as_ref().map_or(0, Vec::len) > 0;
+    let has_normals = !normals.is_empty();
     let made = Primitive {
         positions: positions.into_iter().map(Vec3::from_array).collect(),
-        normals: normals.into_iter().flatten().map(|n| unit(Vec3::from_array(n))).collect(),
+        normals: normals.into_iter().map(|n| unit(Vec3::from_array(n))).collect(),
         uvs,
         colors: colors(source, primitive)?,
         indices,
         material,
     };
-    if smooth {
+    if has_normals {
         return Ok(made);
     }
     report.budget.spend(ImportLimit::Vertices, made.indices.len() as u64)?;
     Ok(faceted(&made))
+}
+
+/// Reads an attribute of `N` components; an empty list if the primitive does not have it.
+fn vectors<const N: usize>(
+    source: &ImportSource,
+    primitive: &json::mesh::Primitive,
+    semantic: Semantic,
+) -> Result<Vec<[f32; N]>, AssetFault> {
+    let accessor = attribute(source, primitive, semantic)?;
+    accessor.map_or(Ok(Vec::new()), |accessor| source.floats(accessor, IntegerConversion::AsDeclared))
 }
 
 /// Returns `COLOR_0` as RGBA, or an empty list.
@@ -113,11 +119,7 @@ fn colors(source: &ImportSource, primitive: &json::mesh::Primitive) -> Result<Ve
         let rgb = source.floats::<3>(accessor, IntegerConversion::Normalized)?;
         rgb.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect()
     } else {
-        source
-            .floats::<4>(accessor, IntegerConversion::Normalized)?
-            .into_iter()
-            .map(Vec4::from_array)
-            .collect()
+        source.floats::<4>(accessor, IntegerConversion::Normalized)?.into_iter().map(Vec4::from_array).collect()
     };
     Ok(colors.into_iter().map(|c| c.clamp(Vec4::ZERO, Vec4::ONE)).collect())
 }
@@ -128,14 +130,11 @@ fn attribute<'a>(
     primitive: &json::mesh::Primitive,
     semantic: Semantic,
 ) -> Result<Option<&'a Accessor>, AssetFault> {
-    let find =
-        |semantic| primitive.attributes.get(&Checked::Valid(semantic)).and_then(|&a| source.root.get(a));
+    let find = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).and_then(|&a| source.root.get(a));
     let accessor = find(semantic);
     let vertices = find(Semantic::Positions).map(|a| a.count);
     match accessor {
-        Some(accessor) if Some(accessor.count) != vertices => {
-            Err(invalid_gltf("a mesh's attributes differ in length"))
-        }
+        Some(accessor) if Some(accessor.count) != vertices => Err(invalid_gltf("a mesh's attributes differ in length")),
         found => Ok(found),
     }
 }

@@ -89,18 +89,18 @@ fn build(source: &ImportSource, report: &mut ImportReport) -> Result<(Scene, Sce
     let lights = lights::read(source, &placed, &mut report.notes);
 
     let mut scene_mesh: BTreeMap<usize, usize> = BTreeMap::new();
-    for place in &placed {
-        if let Some(mesh) = place.mesh
+    for node in &placed {
+        if let Some(mesh) = node.mesh
             && !scene_mesh.contains_key(&mesh)
         {
             scene_mesh.insert(mesh, scene.meshes.len());
             scene.meshes.push(meshes::read(source, mesh, &materials, report)?);
         }
         scene.nodes.push(scene::Node {
-            name: place.name.clone(),
-            parent: place.parent,
-            parent_from_local: place.parent_from_local,
-            mesh: place.mesh.map(|m| scene_mesh[&m]),
+            name: node.name.clone(),
+            parent: node.parent,
+            parent_from_local: node.parent_from_local,
+            mesh: node.mesh.map(|m| scene_mesh[&m]),
         });
     }
     scene.materials = materials.into_iter().map(|m| m.material).collect();
@@ -113,14 +113,13 @@ fn build(source: &ImportSource, report: &mut ImportReport) -> Result<(Scene, Sce
 /// largest one.
 fn check_extent(scene: &Scene, world_from_node: impl Iterator<Item = DAffine3>) -> Result<(), AssetFault> {
     let extents: Vec<f64> = scene.meshes.iter().map(largest_coordinate).collect();
-    let triangles =
-        |mesh: usize| scene.meshes[mesh].primitives.iter().map(|p| p.indices.len() as u64 / 3).sum();
+    let triangles = |mesh: usize| scene.meshes[mesh].primitives.iter().map(|p| p.indices.len() as u64 / 3).sum();
     let mut budget = Budget::default();
     for (node, world_from_local) in scene.nodes.iter().zip(world_from_node) {
         let axes = world_from_local.matrix3;
         let extent = node.mesh.map_or(0.0, |m| extents[m]);
-        let reach = (axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs()) * extent
-            + world_from_local.translation.abs();
+        let reach =
+            (axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs()) * extent + world_from_local.translation.abs();
         // This form also refuses NaN, which an overflow along the hierarchy can give.
         let inside = reach.max_element() <= MAX_COORDINATE as f64 && world_from_local.is_finite();
         if !inside {

@@ -28,7 +28,7 @@ pub struct PlacedNode {
 /// Returns every node of the default scene, else of the first scene, else of the whole file.
 pub fn place_nodes(source: &ImportSource, report: &mut ImportReport) -> Result<Vec<PlacedNode>, AssetFault> {
     let roots = roots(source.root, report);
-    let mut places: Vec<PlacedNode> = Vec::new();
+    let mut placed: Vec<PlacedNode> = Vec::new();
     // The document is a checked forest, so each node is visited once.
     let mut waiting: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|root| (root, None)).collect();
     while let Some((index, parent)) = waiting.pop() {
@@ -36,9 +36,9 @@ pub fn place_nodes(source: &ImportSource, report: &mut ImportReport) -> Result<V
         let node = &source.root.nodes[index];
         let parent_from_local =
             transform(node).ok_or_else(|| invalid_gltf(format!("node {index} has no finite place")))?;
-        let world_from_parent = parent.map_or(DAffine3::IDENTITY, |p| places[p].world_from_local);
-        let (place, instances) = (places.len(), instances::read(source, node, report)?);
-        places.push(PlacedNode {
+        let world_from_parent = parent.map_or(DAffine3::IDENTITY, |p| placed[p].world_from_local);
+        let (placed_index, instances) = (placed.len(), instances::read(source, node, report)?);
+        placed.push(PlacedNode {
             node: Some(index),
             name: display_name(node.name.as_deref(), "node", index),
             parent,
@@ -47,35 +47,31 @@ pub fn place_nodes(source: &ImportSource, report: &mut ImportReport) -> Result<V
             mesh: node.mesh.filter(|_| instances.is_none()).map(|m| m.value()),
         });
         for node_from_instance in instances.into_iter().flatten() {
-            places.push(PlacedNode {
+            placed.push(PlacedNode {
                 node: None,
-                name: places[place].name.clone(),
-                parent: Some(place),
+                name: placed[placed_index].name.clone(),
+                parent: Some(placed_index),
                 parent_from_local: node_from_instance,
-                world_from_local: places[place].world_from_local * node_from_instance,
+                world_from_local: placed[placed_index].world_from_local * node_from_instance,
                 mesh: node.mesh.map(|m| m.value()),
             });
         }
-        waiting.extend(node.children.iter().flatten().rev().map(|child| (child.value(), Some(place))));
+        waiting.extend(node.children.iter().flatten().rev().map(|child| (child.value(), Some(placed_index))));
     }
-    Ok(places)
+    Ok(placed)
 }
 
 fn roots(root: &Root, report: &mut ImportReport) -> Vec<usize> {
     let drawn = root.scene.map_or(0, |scene| scene.value());
     if let Some(scene) = root.scenes.get(drawn) {
         if root.scenes.len() > 1 {
-            let which =
-                format!("{} of {}", display_name(scene.name.as_deref(), "scene", drawn), root.scenes.len());
+            let which = format!("{} of {}", display_name(scene.name.as_deref(), "scene", drawn), root.scenes.len());
             report.notes.add("only one scene is drawn", which);
         }
         return scene.nodes.iter().map(gltf::json::Index::value).collect();
     }
     let mut is_root = vec![true; root.nodes.len()];
-    root.nodes
-        .iter()
-        .flat_map(|n| n.children.iter().flatten())
-        .for_each(|child| is_root[child.value()] = false);
+    root.nodes.iter().flat_map(|n| n.children.iter().flatten()).for_each(|child| is_root[child.value()] = false);
     (0..root.nodes.len()).filter(|&node| is_root[node]).collect()
 }
 

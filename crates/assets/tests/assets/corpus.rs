@@ -24,7 +24,7 @@ fn scene_files(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 #[ignore = "needs ../shared/assets"]
-fn every_file_of_shared_assets_loads_or_names_what_it_needs() {
+fn every_file_of_shared_assets_loads_or_names_the_missing_feature() {
     let folder = crate::support::assets_folder();
     let files = [scene_files(&folder.join("gltf")), scene_files(&folder.join("scenes"))].concat();
     let mut refused = Vec::new();
@@ -37,15 +37,13 @@ fn every_file_of_shared_assets_loads_or_names_what_it_needs() {
                 let triangles = scene::pose(scene.clone()).triangle_count();
                 let SceneContents { lights, cameras } = &loaded.contents;
                 let (lights, cameras, images) = (lights.len(), cameras.len(), scene.images.len());
-                println!(
-                    "{name}: {triangles} triangles, {lights} lights, {cameras} cameras, {images} pictures"
-                );
+                println!("{name}: {triangles} triangles, {lights} lights, {cameras} cameras, {images} pictures");
                 loaded.notes.iter().for_each(|note| println!("    {note}"));
             }
             Err(error) => {
                 println!("{error}");
-                let incomplete = matches!(error.fault, AssetFault::Address { .. })
-                    && name.ends_with("assimp-Cameras.gltf");
+                let incomplete =
+                    matches!(error.fault, AssetFault::Address { .. }) && name.ends_with("assimp-Cameras.gltf");
                 assert!(matches!(error.fault, AssetFault::RequiredExtension(_)) || incomplete, "{error}");
                 refused.push(path.file_stem().unwrap().to_string_lossy().into_owned());
             }
@@ -98,7 +96,7 @@ fn quantised_and_sparse_shared_assets_hold_the_plain_ones_shape() {
 /// Every file gives the same scene from its packed bytes, and hostile files are still refused.
 #[test]
 #[ignore = "needs ../shared/assets"]
-fn packed_shared_assets_stay_what_they_are() {
+fn packed_shared_assets_load_as_the_same_scenes() {
     let folder = crate::support::assets_folder();
     let (mut same, mut inlined) = (0, 0);
     for path in scene_files(&folder) {
@@ -173,16 +171,16 @@ fn no_light_of_shared_assets_is_dropped() {
     for path in scene_files(&folder) {
         let Ok(loaded) = assets::load(&path) else { continue };
         let name = path.display();
-        let there = punctual_lights(&std::fs::read(&path).expect("it has just been read"));
+        let count = punctual_lights(&std::fs::read(&path).expect("it has just been read"));
         let read = loaded.contents.lights.len();
-        assert_eq!(read + left_out(&loaded.notes), there, "{name}");
+        assert_eq!(read + left_out(&loaded.notes), count, "{name}");
         let triangles = scene::pose(loaded.scene.clone()).triangle_count();
         let lit = loaded.with_default_light();
         let is_key = |note: &String| note.ends_with("default key");
         let gets_key = read == 0 && triangles > 0;
         assert_eq!(lit.contents.lights.len(), read + usize::from(gets_key), "{name}");
         assert_eq!(lit.notes.iter().any(is_key), gets_key, "{name}: {:?}", lit.notes);
-        *files_by_lights.entry(there).or_default() += 1;
+        *files_by_lights.entry(count).or_default() += 1;
     }
     println!("files by how many lights they have: {files_by_lights:?}");
     assert!(files_by_lights[&0] > 30 && files_by_lights.len() > 1, "{files_by_lights:?}");

@@ -16,10 +16,9 @@ fn expectation(text: &str) -> Expectation {
     match text.split([' ', ',']).next().unwrap_or_default() {
         "accept" => Expectation { may_load: true, may_refuse: text == "accept or limit" },
         "limit" => Expectation { may_load: false, may_refuse: true },
-        "reject" => Expectation {
-            may_load: text.contains("or sanitise") || text.contains("(or accept)"),
-            may_refuse: true,
-        },
+        "reject" => {
+            Expectation { may_load: text.contains("or sanitise") || text.contains("(or accept)"), may_refuse: true }
+        }
         other => panic!("unknown expectation {other}"),
     }
 }
@@ -49,19 +48,15 @@ fn every_hostile_file_of_shared_assets_is_handled_as_expected() {
                 let message = error.to_string();
                 println!("{message}");
                 assert!(expected.may_refuse, "{name} was refused: {message}");
-                assert!(
-                    message.contains(name) && !message.contains('\n') && message.len() < 500,
-                    "{message}"
-                );
+                assert!(message.contains(name) && !message.contains('\n') && message.len() < 500, "{message}");
             }
         }
         files += 1;
     }
     println!("{files} files, the slowest {} in {:.3} s", slowest.1, slowest.0);
     if let Ok(status) = std::fs::read_to_string("/proc/self/status") {
-        let peak = status
-            .lines()
-            .find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB")?.parse().ok());
+        let peak =
+            status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB")?.parse().ok());
         println!("peak memory {peak:?} KiB");
         assert!(peak.is_none_or(|kib: u64| kib < MAX_RESIDENT_KIB));
     }
@@ -89,11 +84,9 @@ fn changed_bytes_of_shared_assets_never_panic() {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((random >> 33) % n as u64) as usize
     };
-    for name in [
-        "hostile/ok_triangle.gltf",
-        "gltf/khronos/BoxInterleaved.glb",
-        "gltf/instancing/pc-simple-instancing.glb",
-    ] {
+    for name in
+        ["hostile/ok_triangle.gltf", "gltf/khronos/BoxInterleaved.glb", "gltf/instancing/pc-simple-instancing.glb"]
+    {
         let valid = std::fs::read(folder.join(name)).unwrap();
         let text = valid.windows(4).rposition(|w| w == b"BIN\0").unwrap_or(valid.len());
         let path = scratch.path().join(name.rsplit('/').next().unwrap());

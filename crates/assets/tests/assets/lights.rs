@@ -74,9 +74,9 @@ fn a_scene_without_lights_gets_a_key() {
     assert_eq!(lit.notes.len(), 1);
     assert!(lit.notes[0].ends_with("can be removed: default key"), "{:?}", lit.notes);
     let from_beside = |key: &Light, camera: DQuat| {
-        let way = camera.normalize().inverse() * (key.get(ROTATION) * DVec3::NEG_Z);
+        let direction = camera.normalize().inverse() * (key.get(ROTATION) * DVec3::NEG_Z);
         // Forwards, down and to the right.
-        way.z < -0.7 && way.y < -0.3 && way.x > 0.1
+        direction.z < -0.7 && direction.y < -0.3 && direction.x > 0.1
     };
     let framing = framing_camera(&reach, DEFAULT_ASPECT).rotation;
     assert!(from_beside(key.light(), framing));

@@ -4,15 +4,15 @@ use std::path::Path;
 
 use assets::{AssetFault, LoadedScene};
 
-/// Returns a whole scene as text, including the bytes of its pictures.
+/// Returns a whole scene as text, including the texels of its images.
 fn all_of(loaded: &LoadedScene) -> String {
     let LoadedScene { scene, contents, .. } = loaded;
     let pixels: Vec<_> = scene.images.iter().map(|image| &image.rgba8).collect();
     format!("{scene:?} {contents:?} {pixels:?}")
 }
 
-/// Packs a folder with one scene, which `change` makes from a triangle in two files and with a picture. Also
-/// returns the text of the loaded scene.
+/// Packs a glTF file whose buffer and image are files of their own, after `change` has edited its JSON. Also returns
+/// the loaded scene as text, empty if `load` refuses it.
 fn packed(change: impl Fn(String) -> String) -> (Result<Vec<u8>, assets::AssetError>, String) {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
@@ -59,9 +59,10 @@ fn several_files_become_one() {
     assert_ne!(packed(|json| json.replace("0.1, 0.2", "0.1, 0.3")).1, loaded);
 }
 
-/// `pack` refuses what `load` refuses, and undrawn pictures that it cannot embed.
+/// `pack` refuses files that `load` refuses. It also refuses a file that names a missing image, even if no texture uses
+/// that image and `load` never reads it.
 #[test]
-fn what_cannot_be_packed_is_refused() {
+fn files_that_cannot_be_packed_are_refused() {
     for address in ["../a%20b.bin", "/etc/hostname", "http://example.org/a.bin", "none.bin", ""] {
         let fault = packed(|json| json.replace("a%20b.bin", address)).0.unwrap_err().fault;
         assert!(matches!(fault, AssetFault::Address { .. }), "{address}: {fault}");
@@ -80,8 +81,7 @@ fn bytes_refer_to_no_file() {
     let start = text.find("data:image").unwrap();
     let end = start + text[start..].find('"').unwrap();
     for address in ["skin.png", "/etc/hostname", "../skin.png", "Cargo.toml"] {
-        let error = assets::load_bytes(format!("{}{address}{}", &text[..start], &text[end..]).as_bytes())
-            .unwrap_err();
+        let error = assets::load_bytes(format!("{}{address}{}", &text[..start], &text[end..]).as_bytes()).unwrap_err();
         assert!(matches!(error.fault, AssetFault::Address { .. }), "{error}");
         assert!(error.to_string().starts_with("the scene: refers to"), "{error}");
     }

@@ -20,6 +20,13 @@ struct File {
 }
 
 impl File {
+    /// Makes a file with an accessor over the first `count` corners of [`QUAD`], and returns the accessor's index.
+    fn with_corners(count: usize) -> (Self, usize) {
+        let mut file = Self::default();
+        let positions = file.floats(&QUAD[..count]);
+        (file, positions)
+    }
+
     /// Adds an accessor over `bytes`; `about` holds its type and count.
     fn accessor(&mut self, about: &str, bytes: &[u8]) -> usize {
         let (offset, view) = (self.bytes.len(), self.views.len());
@@ -69,6 +76,11 @@ fn one(primitive: &str) -> String {
     format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{{primitive}}}]}}]"#)
 }
 
+/// Returns the members for one triangle list with positions alone.
+fn positioned(positions: usize) -> String {
+    one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))
+}
+
 fn only_primitive(loaded: &LoadedScene) -> &Primitive {
     assert_eq!((loaded.scene.meshes.len(), loaded.scene.meshes[0].primitives.len()), (1, 1));
     &loaded.scene.meshes[0].primitives[0]
@@ -86,12 +98,9 @@ fn pick(order: &[usize]) -> Vec<Vec3> {
 #[test]
 fn strips_and_fans_become_lists_that_wind_alike() {
     for (mode, expected) in [(5, [0, 1, 2, 1, 3, 2]), (6, [1, 2, 0, 2, 3, 0])] {
-        let mut file = File::default();
-        let positions = file.floats(&QUAD);
-        let loaded = file
-            .with(one(&format!(r#""mode":{mode},"attributes":{{"POSITION":{positions}}}"#)))
-            .load()
-            .unwrap();
+        let (file, positions) = File::with_corners(4);
+        let loaded =
+            file.with(one(&format!(r#""mode":{mode},"attributes":{{"POSITION":{positions}}}"#))).load().unwrap();
         assert_eq!(corners(only_primitive(&loaded)), pick(&expected), "mode {mode}");
         assert_eq!(only_primitive(&loaded).normals[0], Vec3::Z, "the first triangle of both faces +Z");
     }
@@ -103,34 +112,26 @@ fn indices_of_every_type_are_read() {
     let wide: Vec<u8> = order.iter().flat_map(|&i| u16::from(i).to_le_bytes()).collect();
     let widest: Vec<u8> = order.iter().flat_map(|&i| u32::from(i).to_le_bytes()).collect();
     for (kind, bytes) in [(5121, order.to_vec()), (5123, wide), (5125, widest)] {
-        let mut file = File::default();
-        let positions = file.floats(&QUAD);
+        let (mut file, positions) = File::with_corners(4);
         let indices = file.accessor(&format!(r#""componentType":{kind},"type":"SCALAR","count":3"#), &bytes);
         let primitive = format!(r#""attributes":{{"POSITION":{positions}}},"indices":{indices}"#);
-        assert_eq!(
-            corners(only_primitive(&file.with(one(&primitive)).load().unwrap())),
-            pick(&[2, 1, 3]),
-            "{kind}"
-        );
+        assert_eq!(corners(only_primitive(&file.with(one(&primitive)).load().unwrap())), pick(&[2, 1, 3]), "{kind}");
     }
 }
 
 #[test]
 fn lines_are_left_out_with_a_note_and_half_a_triangle_too() {
-    for (mode, said) in [(1, "points and lines"), (4, "without a whole triangle")] {
-        let mut file = File::default();
-        let positions = file.floats(&QUAD[..2]);
-        let loaded = file
-            .with(one(&format!(r#""mode":{mode},"attributes":{{"POSITION":{positions}}}"#)))
-            .load()
-            .unwrap();
+    for (mode, message) in [(1, "points and lines"), (4, "without a whole triangle")] {
+        let (file, positions) = File::with_corners(2);
+        let loaded =
+            file.with(one(&format!(r#""mode":{mode},"attributes":{{"POSITION":{positions}}}"#))).load().unwrap();
         assert!(loaded.scene.meshes[0].primitives.is_empty());
-        assert!(loaded.notes[0].contains(said), "{:?}", loaded.notes);
+        assert!(loaded.notes[0].contains(message), "{:?}", loaded.notes);
     }
 }
 
 #[test]
-fn quantised_attributes_are_scaled_as_declared() {
+fn quantized_attributes_are_scaled_as_declared() {
     let mut file = File::default();
     // glTF aligns elements to four bytes: here by a fourth component that the view's stride skips.
     let about = |kind: u32, normalized: bool| {
@@ -141,10 +142,8 @@ fn quantised_attributes_are_scaled_as_declared() {
     for view in &mut file.views {
         *view = view.replace('}', r#","byteStride":4}"#);
     }
-    let colors =
-        file.accessor(r#""componentType":5121,"type":"VEC4","count":3"#, &[255, 0, 51, 255].repeat(3));
-    let primitive =
-        format!(r#""attributes":{{"POSITION":{positions},"NORMAL":{normals},"COLOR_0":{colors}}}"#);
+    let colors = file.accessor(r#""componentType":5121,"type":"VEC4","count":3"#, &[255, 0, 51, 255].repeat(3));
+    let primitive = format!(r#""attributes":{{"POSITION":{positions},"NORMAL":{normals},"COLOR_0":{colors}}}"#);
     let file = file.with(r#""extensionsRequired":["KHR_mesh_quantization"]"#).with(one(&primitive));
     let loaded = file.load().unwrap();
     let made = only_primitive(&loaded);
@@ -172,7 +171,7 @@ fn sparse_elements_replace_those_of_the_view_or_zeros() {
         };
         file.accessors.push(format!("{{{base}{about},{sparse}}}"));
         let positions = file.accessors.len() - 1;
-        let loaded = file.with(one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))).load().unwrap();
+        let loaded = file.with(positioned(positions)).load().unwrap();
         assert_eq!(only_primitive(&loaded).positions, [Vec3::ZERO, Vec3::new(7.0, 8.0, 9.0), first]);
     }
 }
@@ -189,21 +188,20 @@ fn sparse_indices_increase() {
             "indices":{{"bufferView":{at},"componentType":5121}},"values":{{"bufferView":{to}}}}}}}"#
         ));
         let positions = file.accessors.len() - 1;
-        file.with(one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))).load()
+        file.with(positioned(positions)).load()
     };
     let sound = loaded([0, 2]).unwrap();
     assert_eq!(only_primitive(&sound).positions[2], Vec3::new(1.0, 2.0, 3.0));
     for indices in [[2, 0], [1, 1]] {
-        let said = loaded(indices).unwrap_err().to_string();
-        assert!(said.contains("the indices of a sparse accessor do not strictly increase"), "{said}");
-        assert_eq!(said.lines().count(), 1);
+        let message = loaded(indices).unwrap_err().to_string();
+        assert!(message.contains("the indices of a sparse accessor do not strictly increase"), "{message}");
+        assert_eq!(message.lines().count(), 1);
     }
 }
 
 #[test]
 fn nodes_compose_from_matrix_and_parts() {
-    let mut file = File::default();
-    let positions = file.floats(&QUAD[..3]);
+    let (file, positions) = File::with_corners(3);
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let nodes = format!(
         r#""nodes":[{{"children":[1],"matrix":[2,0,0,0, 0,2,0,0, 0,0,2,0, 10,0,0,1]}},
@@ -223,14 +221,12 @@ fn nodes_compose_from_matrix_and_parts() {
 }
 
 #[test]
-fn textures_bring_sampler_coordinates_and_transform() {
+fn textures_have_their_sampler_coordinates_and_transform() {
     let mut png = Vec::new();
     let pixels = image::RgbaImage::from_raw(2, 1, vec![255, 0, 0, 255, 0, 0, 255, 128]).unwrap();
     pixels.write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
-    let mut file = File::default();
-    let positions = file.floats(&QUAD[..3]);
-    let (first, second) =
-        (file.floats(&[[9.0_f32, 9.0]; 3]), file.floats(&[[0.0_f32, 0.0], [1.0, 0.0], [0.0, 1.0]]));
+    let (mut file, positions) = File::with_corners(3);
+    let (first, second) = (file.floats(&[[9.0_f32, 9.0]; 3]), file.floats(&[[0.0_f32, 0.0], [1.0, 0.0], [0.0, 1.0]]));
     let picture = file.accessor(r#""componentType":5121,"type":"SCALAR","count":1"#, &png);
     let attributes = format!(r#""POSITION":{positions},"TEXCOORD_0":{first},"TEXCOORD_1":{second}"#);
     let loaded = file
@@ -284,15 +280,9 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
     assert!((spot.get(CONE_SOFTNESS) - 0.2).abs() < 1e-6);
     assert_eq!((spot.get(RANGE), spot.get(INTENSITY)), (Some(9.0), 40.0));
     let shines_along = spot.transform().rotation * DVec3::NEG_Z;
-    assert!(
-        (shines_along - DVec3::NEG_X).length() < 1e-6,
-        "a quarter turn about Y takes -Z to -X: {shines_along}"
-    );
+    assert!((shines_along - DVec3::NEG_X).length() < 1e-6, "a quarter turn about Y takes -Z to -X: {shines_along}");
     let [bulb, broken, sun] = [1, 2, 3].map(|index| lights[index].light());
-    assert_eq!(
-        (bulb.shape(), bulb.name(), bulb.get(DECAY)),
-        (&LightShape::Omni, "bulb", Decay::InverseSquare)
-    );
+    assert_eq!((bulb.shape(), bulb.name(), bulb.get(DECAY)), (&LightShape::Omni, "bulb", Decay::InverseSquare));
     assert_eq!((bulb.get(RANGE), bulb.get(INTENSITY)), (Some(4.0), 60.0));
     assert_eq!((sun.shape(), sun.name(), sun.get(INTENSITY)), (&LightShape::Directional, "sun", 3.0));
     assert_eq!(sun.get(COLOR), DVec3::new(1.0, 0.0, 0.5));
@@ -317,13 +307,11 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
 
 /// A name has more bytes than characters.
 #[test]
-fn no_light_is_lost_for_its_name() {
+fn long_names_of_lights_are_cut() {
     let name = "\u{5149}".repeat(300);
     let file = File::default()
         .with(r#""extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional"}]}}"#)
-        .with(format!(
-            r#""nodes":[{{"name":"{name}","extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}]"#
-        ));
+        .with(format!(r#""nodes":[{{"name":"{name}","extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}]"#));
     let loaded = file.load().unwrap();
     let lights = loaded.contents.lights;
     assert_eq!(lights.len(), 1);
@@ -337,8 +325,7 @@ fn cameras_keep_their_shape() {
         let loaded = file.load().unwrap();
         (loaded.contents.cameras[0].projection.aspect_ratio(), loaded.notes.len())
     };
-    let perspective =
-        |more: &str| format!(r#"{{"type":"perspective","perspective":{{"yfov":1,"znear":0.1{more}}}}}"#);
+    let perspective = |more: &str| format!(r#"{{"type":"perspective","perspective":{{"yfov":1,"znear":0.1{more}}}}}"#);
     assert_eq!(read(&perspective(r#","aspectRatio":1.5"#)), (Some(1.5), 0));
     assert_eq!(read(&perspective("")), (None, 0), "the picture's own");
     let orthographic = |xmag: f64| {
@@ -351,37 +338,32 @@ fn cameras_keep_their_shape() {
 }
 
 #[test]
-fn instances_stand_where_their_accessors_say() {
-    let mut file = File::default();
-    let positions = file.floats(&QUAD[..3]);
+fn instances_have_the_transforms_of_their_accessors() {
+    let (mut file, positions) = File::with_corners(3);
     let at = file.floats(&[[1.0_f32, 0.0, 0.0], [0.0, 5.0, 0.0]]);
     let node = format!(
         r#""nodes":[{{"mesh":0,"translation":[0,0,9],"extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{"TRANSLATION":{at}}}}}}}}}],
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{positions}}}}}]}}]"#
     );
     let scene = file.with(node).load().unwrap().scene;
-    let places: Vec<DVec3> =
+    let translations: Vec<DVec3> =
         scene::pose(scene).primitives.iter().map(|p| p.world_from_local.translation).collect();
-    assert_eq!(places, [DVec3::new(1.0, 0.0, 9.0), DVec3::new(0.0, 5.0, 9.0)]);
+    assert_eq!(translations, [DVec3::new(1.0, 0.0, 9.0), DVec3::new(0.0, 5.0, 9.0)]);
 }
 
 #[test]
-fn limits_name_themselves() {
+fn errors_name_the_exceeded_limit() {
     let many = vec!["{}"; 600_000].join(",");
     let fault = File::default().with(format!(r#""nodes":[{many}]"#)).load().unwrap_err().fault;
     assert!(matches!(fault, AssetFault::Limit { limit: ImportLimit::JsonValues, .. }), "{fault}");
 
-    let mut file = File::default();
-    let positions = file.floats(&QUAD[..3]);
+    let (mut file, positions) = File::with_corners(3);
     file.accessors[positions] = r#"{"componentType":5126,"type":"VEC3","count":900000000}"#.into();
-    let fault =
-        file.with(one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))).load().unwrap_err().fault;
+    let fault = file.with(positioned(positions)).load().unwrap_err().fault;
     assert!(matches!(fault, AssetFault::Limit { limit: ImportLimit::Vertices, .. }), "{fault}");
 
-    let mut file = File::default();
-    let positions = file.floats(&QUAD[..3]);
-    let far = one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))
-        .replace(r#"{"mesh":0}"#, r#"{"mesh":0,"scale":[2e9,1,1]}"#);
+    let (file, positions) = File::with_corners(3);
+    let far = positioned(positions).replace(r#"{"mesh":0}"#, r#"{"mesh":0,"scale":[2e9,1,1]}"#);
     let fault = file.with(far).load().unwrap_err().fault;
     assert!(matches!(fault, AssetFault::Limit { limit: ImportLimit::Coordinate, .. }), "{fault}");
 }
@@ -394,11 +376,9 @@ fn a_mesh_with_an_index_of_no_accessor_is_refused_not_followed() {
 
 #[test]
 fn required_extensions_are_refused_by_name() {
-    let error =
-        File::default().with(r#""extensionsRequired":["VENDOR_magic"]"#).load().unwrap_err().to_string();
+    let error = File::default().with(r#""extensionsRequired":["VENDOR_magic"]"#).load().unwrap_err().to_string();
     assert!(
-        error
-            .ends_with("scene.gltf: VENDOR_magic is required but not supported: export the scene without it"),
+        error.ends_with("scene.gltf: VENDOR_magic is required but not supported: export the scene without it"),
         "{error}"
     );
 }
@@ -407,9 +387,7 @@ fn required_extensions_are_refused_by_name() {
 /// reading of geometry is refused.
 #[test]
 fn required_extensions_that_change_only_looks_are_noted() {
-    for name in
-        ["KHR_materials_clearcoat", "KHR_materials_transmission", "KHR_materials_pbrSpecularGlossiness"]
-    {
+    for name in ["KHR_materials_clearcoat", "KHR_materials_transmission", "KHR_materials_pbrSpecularGlossiness"] {
         let listed = format!(r#""extensionsUsed":["{name}"],"extensionsRequired":["{name}"]"#);
         let loaded = File::default().with(listed).load().unwrap();
         let note = format!("extensions that are not drawn: {name}");
@@ -433,15 +411,13 @@ fn required_extensions_that_change_only_looks_are_noted() {
 #[test]
 fn animation_channels_may_have_no_node() {
     let animated = |targets: &[&str]| {
-        let mut file = File::default();
-        let positions = file.floats(&QUAD[..3]);
+        let (mut file, positions) = File::with_corners(3);
         let times = file.accessor(r#""componentType":5126,"type":"SCALAR","count":1"#, &0_f32.to_le_bytes());
-        let places = file.floats(&[[0.0_f32, 1.0, 0.0]]);
-        let channels: Vec<_> =
-            targets.iter().map(|target| format!(r#"{{"sampler":0,"target":{target}}}"#)).collect();
-        file.with(one(&format!(r#""attributes":{{"POSITION":{positions}}}"#)))
+        let translations = file.floats(&[[0.0_f32, 1.0, 0.0]]);
+        let channels: Vec<_> = targets.iter().map(|target| format!(r#"{{"sampler":0,"target":{target}}}"#)).collect();
+        file.with(positioned(positions))
             .with(format!(
-                r#""animations":[{{"samplers":[{{"input":{times},"output":{places}}}],"channels":[{}]}}]"#,
+                r#""animations":[{{"samplers":[{{"input":{times},"output":{translations}}}],"channels":[{}]}}]"#,
                 channels.join(",")
             ))
             .load()
@@ -459,7 +435,7 @@ fn animation_channels_may_have_no_node() {
 }
 
 #[test]
-fn what_is_no_file_is_refused_at_once() {
+fn paths_that_are_no_files_are_refused() {
     for path in ["no/such/file.glb", "/dev/zero", "."] {
         let error = assets::load(Path::new(path)).unwrap_err().to_string();
         assert!(error.starts_with(path), "{error}");
@@ -467,15 +443,14 @@ fn what_is_no_file_is_refused_at_once() {
 }
 
 #[test]
-fn a_scene_is_called_what_its_file_calls_the_one_that_is_drawn() {
+fn a_loaded_scene_has_the_name_of_the_drawn_scene() {
     let name = |member: &str| File::default().with(member).load().unwrap().name;
     assert_eq!(
         name(r#""scenes":[{"nodes":[],"name":"Kitchen"},{"nodes":[],"name":"Attic"}]"#).as_deref(),
         Some("Kitchen")
     );
     assert_eq!(
-        name(r#""scene":1,"scenes":[{"nodes":[],"name":"Kitchen"},{"nodes":[],"name":" Attic "}]"#)
-            .as_deref(),
+        name(r#""scene":1,"scenes":[{"nodes":[],"name":"Kitchen"},{"nodes":[],"name":" Attic "}]"#).as_deref(),
         Some("Attic")
     );
     let long = format!(r#""scenes":[{{"nodes":[],"name":"{}"}}]"#, "x".repeat(light::MAX_NAME_BYTES + 1));

@@ -48,12 +48,11 @@ impl ExpectedPicture<'_> {
     }
 
     fn has_edge_on_ring(&self, seen: &ExpectedPixel, texel: &Texel, radius: f64) -> bool {
-        let visible = seen.light.map(|light| light.sample.is_visible);
         (0..DIRECTIONS).any(|k| {
             let direction = DVec2::from_angle(f64::from(k) / f64::from(DIRECTIONS) * std::f64::consts::TAU);
             let step = (texel.v * direction.x + texel.w * direction.y) * radius;
             let there = self.visible_beside(&seen.surface, step);
-            there.into_iter().any(|there| there.is_some() && there != visible)
+            there.into_iter().any(|there| there.is_some() && there != seen.is_visible())
         })
     }
 
@@ -62,11 +61,9 @@ impl ExpectedPicture<'_> {
     fn is_surrounded_by_wrong(&self, drawn: &RenderedSubject, pixel: usize, seen: &ExpectedPixel) -> bool {
         let (width, height) = self.size();
         let (x, y) = (pixel % width, pixel / width);
-        let visible = seen.light.map(|light| light.sample.is_visible);
         let wrong = |other: usize| {
-            let expected =
-                self.pixels[other].as_ref().and_then(|seen| seen.light).map(|light| light.sample.is_visible);
-            expected == visible && expected != Some(drawn.visibility.pixels[other][0] >= 0.5)
+            let expected = self.pixels[other].as_ref().and_then(ExpectedPixel::is_visible);
+            expected == seen.is_visible() && expected != Some(drawn.visibility.pixels[other][0] >= 0.5)
         };
         let inside = x > 0 && y > 0 && x + 1 < width && y + 1 < height;
         inside && (y - 1..=y + 1).all(|row| (x - 1..=x + 1).all(|column| wrong(row * width + column)))
@@ -83,15 +80,11 @@ impl ExpectedPicture<'_> {
         // A point of the ring is at most sqrt 2 times as far away as the farthest of the four.
         let reach = reach.fold(0.0, f64::max) * std::f64::consts::SQRT_2 + 1.0;
         let (width, height) = self.size();
-        let span = |at: f64, size: usize| {
-            ((at - reach).max(0.0) as usize)..((at + reach).ceil().min(size as f64) as usize)
-        };
+        let span =
+            |at: f64, size: usize| ((at - reach).max(0.0) as usize)..((at + reach).ceil().min(size as f64) as usize);
         span(centre.y, height).any(|y| {
             let row = &self.pixels[y * width..][span(centre.x, width)];
-            row.iter().flatten().any(|other| {
-                other.light.map(|light| light.sample.is_visible)
-                    != seen.light.map(|light| light.sample.is_visible)
-            })
+            row.iter().flatten().any(|other| other.is_visible() != seen.is_visible())
         })
     }
 
@@ -108,8 +101,7 @@ impl ExpectedPicture<'_> {
         let in_world = |across: DVec3| {
             let along = -normal.dot(across) / normal.dot(towards);
             let longest = LONGEST_STEP * width;
-            let step =
-                across + towards * (if along.is_nan() { longest } else { along.clamp(-longest, longest) });
+            let step = across + towards * (if along.is_nan() { longest } else { along.clamp(-longest, longest) });
             placement.rotation * step * placement.world_per_tube
         };
         Some(Texel { v: in_world(root.v_hat * width), w: in_world(root.u_hat.cross(root.v_hat) * width) })

@@ -70,6 +70,11 @@ impl ExpectedPixel {
         self.light.map_or(DVec3::ZERO, |light| light.radiance)
     }
 
+    /// True if the light reaches the point. `None` outside the light.
+    pub fn is_visible(&self) -> Option<bool> {
+        self.light.map(|light| light.sample.is_visible)
+    }
+
     /// True if the light reaches the point. `None` outside the light, or if the point would reflect none of it.
     pub fn lit(&self) -> Option<bool> {
         self.light.filter(|light| light.unshadowed != DVec3::ZERO).map(|light| light.sample.is_visible)
@@ -102,6 +107,11 @@ impl<'a> ExpectedPicture<'a> {
         expected.pixels = (0..height).into_par_iter().flat_map_iter(row).collect();
         expected.crossings = expected.find_crossings();
         Ok(expected)
+    }
+
+    /// Returns what is drawn in the picture.
+    pub fn subject(&self) -> &'a ComparisonSubject {
+        self.subject
     }
 
     /// Returns the posed scene of the subject, to draw it with another renderer.
@@ -140,7 +150,7 @@ impl<'a> ExpectedPicture<'a> {
         surface: &ShadedPoint,
     ) -> Option<PixelVerdict> {
         let (mut depth_step, mut normal_step) = (0.0_f64, 0.0_f64);
-        for beside in self.neighbours(pixel) {
+        for beside in self.adjacent_surfaces(pixel) {
             depth_step = depth_step.max((beside.depth - surface.depth).abs());
             normal_step = normal_step.max(beside.normal.distance(surface.normal));
         }
@@ -156,15 +166,14 @@ impl<'a> ExpectedPicture<'a> {
         if normal_error <= 2_f64.powi(-14) + snapped * normal_step {
             return None;
         }
-        let twin =
-            self.reference.bvh.first_hit(surface.position, -surface.to_eye, [-rounding, rounding], |hit| {
-                hit.triangle != surface.triangle
-            });
+        let twin = self.reference.bvh.first_hit(surface.position, -surface.to_eye, [-rounding, rounding], |hit| {
+            hit.triangle != surface.triangle
+        });
         Some(if twin.is_some() { PixelVerdict::Coincident } else { PixelVerdict::Silhouette })
     }
 
     /// Returns the surfaces of the pixels to the left, right, above and below.
-    fn neighbours(&self, pixel: usize) -> impl Iterator<Item = &ShadedPoint> {
+    fn adjacent_surfaces(&self, pixel: usize) -> impl Iterator<Item = &ShadedPoint> {
         let (width, height) = self.size();
         let (x, y) = (pixel % width, pixel / width);
         let around = [
@@ -173,9 +182,6 @@ impl<'a> ExpectedPicture<'a> {
             (y > 0).then(|| pixel - width),
             (y + 1 < height).then(|| pixel + width),
         ];
-        around
-            .into_iter()
-            .flatten()
-            .filter_map(|beside| self.pixels[beside].as_ref().map(|seen| &seen.surface))
+        around.into_iter().flatten().filter_map(|beside| self.pixels[beside].as_ref().map(|seen| &seen.surface))
     }
 }

@@ -159,13 +159,11 @@ fn rgb(picture: &Picture, pixel: usize) -> DVec3 {
 impl ExpectedPicture<'_> {
     /// Compares the GPU's pictures with the reference.
     pub fn compare(&self, drawn: &RenderedSubject) -> Comparison {
-        let judged: Vec<_> =
-            (0..self.pixels.len()).into_par_iter().map(|pixel| self.judge(drawn, pixel)).collect();
+        let judged: Vec<_> = (0..self.pixels.len()).into_par_iter().map(|pixel| self.judge(drawn, pixel)).collect();
         let verdicts: Vec<_> = judged.iter().map(|judged| judged.0).collect();
         let count = |verdict| verdicts.iter().filter(|v| **v == verdict).count();
         let in_light = |seen: &&Option<ExpectedPixel>| seen.as_ref().is_some_and(|seen| seen.light.is_some());
-        let off_edge_pixels: Vec<_> =
-            (0..self.pixels.len()).filter(|&pixel| self.is_off_edge(drawn, pixel)).collect();
+        let off_edge_pixels: Vec<_> = (0..self.pixels.len()).filter(|&pixel| self.is_off_edge(drawn, pixel)).collect();
         Comparison {
             pixels: verdicts.len() - count(PixelVerdict::Background),
             in_light: self.pixels.iter().filter(in_light).count(),
@@ -226,7 +224,7 @@ impl ExpectedPicture<'_> {
     /// same visibility for all 5 x 5 pixels around.
     fn is_off_edge(&self, drawn: &RenderedSubject, pixel: usize) -> bool {
         const REACH: usize = 2;
-        let lit = |pixel: usize| self.pixels[pixel].as_ref()?.light.map(|light| light.sample.is_visible);
+        let lit = |pixel: usize| self.pixels[pixel].as_ref()?.is_visible();
         let Some(seen) = &self.pixels[pixel] else { return false };
         let (Some(expected), [share, .., inside]) = (seen.lit(), drawn.visibility.pixels[pixel]) else {
             return false;
@@ -258,11 +256,7 @@ impl ExpectedPicture<'_> {
 
 /// Returns the relative RMSE of the radiance of `beauty`, a scene under several lights, against the sum of the
 /// references `each`, and the number of pixels in it: those that are compared under each light alone, by `alone`.
-pub(crate) fn radiance_rmse_of_all(
-    each: &[ExpectedPicture],
-    alone: &[Comparison],
-    beauty: &Picture,
-) -> (f64, usize) {
+pub(crate) fn radiance_rmse_of_all(each: &[ExpectedPicture], alone: &[Comparison], beauty: &Picture) -> (f64, usize) {
     use PixelVerdict::{Compared, False, Missed};
     let (mut error2, mut reference2, mut compared) = (0.0, 0.0, 0);
     for pixel in 0..beauty.pixels.len() {

@@ -38,8 +38,7 @@ impl ExpectedPicture<'_> {
     /// without an edge within two pixels green, and numbers that are not finite white.
     pub fn panels(&self, drawn: &RenderedSubject, comparison: &Comparison) -> RgbImage {
         let (width, height) = self.size();
-        let reference =
-            |pixel: usize| self.pixels[pixel].as_ref().map_or(DVec3::ZERO, ExpectedPixel::radiance);
+        let reference = |pixel: usize| self.pixels[pixel].as_ref().map_or(DVec3::ZERO, ExpectedPixel::radiance);
         let brightest = (0..width * height).map(|pixel| reference(pixel).max_element()).fold(0.0, f64::max);
         let shown = |radiance: DVec3| display(radiance / brightest.max(f64::MIN_POSITIVE));
         let panel = |index: u32, pixel: usize| {

@@ -57,13 +57,7 @@ impl ExpectedPicture<'_> {
     }
 
     /// Returns the position on a line, between two others, at which the light ends or begins; `None` if it does not.
-    fn edge_between(
-        &self,
-        axis: ScanAxis,
-        line: f64,
-        [mut low, mut high]: [f64; 2],
-        falls: bool,
-    ) -> Option<f64> {
+    fn edge_between(&self, axis: ScanAxis, line: f64, [mut low, mut high]: [f64; 2], falls: bool) -> Option<f64> {
         let lit = |along: f64| self.seen(axis.point(line, along))?.lit();
         if lit(low)? != falls || lit(high)? == falls {
             return None;

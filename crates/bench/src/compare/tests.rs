@@ -1,6 +1,6 @@
 //! Tests that the comparison passes correct pictures and detects wrong ones.
 
-use std::sync::{Arc, LazyLock, OnceLock};
+use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
 use light::Light;
@@ -12,8 +12,7 @@ use crate::shadow::scenes;
 
 /// A still life under a bent light.
 static SUBJECT: LazyLock<ComparisonSubject> = LazyLock::new(|| scenes::subjects(160, 90).swap_remove(1));
-static EXPECTED: LazyLock<ExpectedPicture> =
-    LazyLock::new(|| ExpectedPicture::new(&SUBJECT, || {}).expect("valid"));
+static EXPECTED: LazyLock<ExpectedPicture> = LazyLock::new(|| ExpectedPicture::new(&SUBJECT, || {}).expect("valid"));
 
 const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
@@ -22,10 +21,10 @@ fn drawn(subject: &ComparisonSubject) -> RenderedSubject {
 }
 
 fn drawn_by(backend: Backend, subject: &ComparisonSubject) -> RenderedSubject {
-    static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
+    static SHARED: [OnceLock<Mutex<Renderer>>; 2] = [const { OnceLock::new() }; 2];
     let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
-    let gpu = GPUS[backend as usize].get_or_init(|| Arc::new(open()));
-    let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
+    let shared = || Mutex::new(Renderer::new(Arc::new(open())).expect("the device works"));
+    let mut renderer = SHARED[backend as usize].get_or_init(shared).lock().unwrap_or_else(PoisonError::into_inner);
     renderer.set_scene(&scene::pose(subject.scene.clone())).expect("fits");
     RenderedSubject::new(&mut renderer, subject, ShadowSettings::default()).expect("drawn")
 }
@@ -51,16 +50,12 @@ fn a_right_picture_passes() {
         assert!(found.in_light > 1500 && found.displacement_pixels.count > 100, "{}", json(&found));
         // An edge is known to a sixth of a pixel if a texel is much smaller.
         assert!(found.displacement_pixels.p99 <= 0.5, "{backend:?}: {}", json(&found));
-        assert!(
-            found.verdicts.contains(&PixelVerdict::Boundary) && found.coincident == 0,
-            "{}",
-            json(&found)
-        );
+        assert!(found.verdicts.contains(&PixelVerdict::Boundary) && found.coincident == 0, "{}", json(&found));
     }
 }
 
 #[test]
-fn a_shadow_beside_its_place_is_seen() {
+fn a_displaced_shadow_is_detected() {
     let mut shifted = drawn(&SUBJECT);
     for picture in [&mut shifted.beauty, &mut shifted.visibility, &mut shifted.fine_visibility] {
         let pixels = if picture.width == SUBJECT.view.width { 1 } else { 3 };
@@ -74,7 +69,7 @@ fn a_shadow_beside_its_place_is_seen() {
 }
 
 #[test]
-fn a_light_from_another_place_is_seen() {
+fn a_displaced_light_is_detected() {
     let mut moved = SUBJECT.clone();
     let translation = moved.light.get(TRANSLATION) + DVec3::new(0.02, 0.0, 0.0);
     moved.light.set(TRANSLATION.to(translation));
@@ -85,7 +80,7 @@ fn a_light_from_another_place_is_seen() {
 }
 
 #[test]
-fn an_object_in_another_place_is_seen() {
+fn a_displaced_object_is_detected() {
     let mut moved = SUBJECT.clone();
     moved.scene.nodes[1].parent_from_local.translation.x += 0.02;
     let found = EXPECTED.compare(&drawn(&moved));
@@ -121,7 +116,7 @@ fn a_light_far_longer_than_the_scene_is_right() {
 }
 
 #[test]
-fn a_number_that_is_none_is_seen() {
+fn a_nan_is_detected() {
     let mut broken = drawn(&SUBJECT);
     broken.beauty.pixels[5000][1] = f32::NAN;
     let found = EXPECTED.compare(&broken);
@@ -130,7 +125,7 @@ fn a_number_that_is_none_is_seen() {
 }
 
 #[test]
-fn a_wrong_exposure_is_seen() {
+fn a_wrong_exposure_is_detected() {
     let mut bright = drawn(&SUBJECT);
     bright.beauty.pixels.iter_mut().flatten().for_each(|x| *x *= 1.002);
     let found = EXPECTED.compare(&bright);
@@ -139,7 +134,7 @@ fn a_wrong_exposure_is_seen() {
 }
 
 #[test]
-fn a_leak_is_seen_in_pixels() {
+fn a_leak_is_detected_in_pixels() {
     let mut leaking = drawn(&SUBJECT);
     // The middle of the largest shadow: the pixel with the largest dark surroundings.
     let is_dark = |pixel: usize| leaking.visibility.pixels[pixel] == [0.0, 0.0, 0.0, 1.0];
@@ -149,10 +144,5 @@ fn a_leak_is_seen_in_pixels() {
     // A fifth of the light is far less than a lit pixel has, and visible.
     leaking.visibility.pixels[pixel] = [0.2, 0.2, 0.2, 1.0];
     let found = EXPECTED.compare(&leaking);
-    assert_eq!(
-        (found.off_edge_pixels.as_slice(), passes(&found)),
-        ([pixel].as_slice(), false),
-        "{}",
-        json(&found)
-    );
+    assert_eq!((found.off_edge_pixels.as_slice(), passes(&found)), ([pixel].as_slice(), false), "{}", json(&found));
 }

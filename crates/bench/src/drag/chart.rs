@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use super::measured::{DragError, LANDED_PX, MeasuredTrial};
 use super::trial::FEATURES;
 use crate::BenchError;
-use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, RED};
+use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, PlotLayout, RED};
 
 /// One color per feature, in the order of the features.
 const COLORS: [RGBColor; 4] = [BLUE, ORANGE, RED, GREEN];
@@ -21,13 +21,12 @@ pub(super) fn draw(all: &[MeasuredTrial]) -> Result<String, BenchError> {
     chart::svg((1000, 760), "", |area| {
         let panels = area.split_evenly((2, 2));
         for (deforms, name) in [(false, "the whole light moves"), (true, "chosen control points move")] {
-            let of_kind: Vec<&MeasuredTrial> =
-                all.iter().filter(|made| made.kind.deforms == deforms).collect();
+            let of_kind: Vec<&MeasuredTrial> = all.iter().filter(|made| made.kind.deforms == deforms).collect();
             let column = usize::from(deforms);
             let title = format!("how far from the cursor does it end? {name}");
-            panel(&panels[column], (&title, "pixels"), PX, (&of_kind, |one| one.px), column == 0)?;
+            panel(&panels[column], (&title, "pixels"), PX, &of_kind, |one| one.px, column == 0)?;
             let title = format!("how long does it take? {name}");
-            panel(&panels[2 + column], (&title, "milliseconds"), MS, (&of_kind, |one| one.ms), false)?;
+            panel(&panels[2 + column], (&title, "milliseconds"), MS, &of_kind, |one| one.ms, false)?;
         }
         Ok(())
     })
@@ -38,15 +37,16 @@ fn panel(
     area: &Area,
     (title, unit): (&str, &str),
     (least, most): (f64, f64),
-    (all, of): (&[&MeasuredTrial], fn(&DragError) -> f64),
+    all: &[&MeasuredTrial],
+    of: fn(&DragError) -> f64,
     key: bool,
 ) -> ChartResult {
-    let mut plot = ChartBuilder::on(area)
-        .caption(title, ("sans-serif", 15))
-        .margin(12)
-        .x_label_area_size(36)
-        .y_label_area_size(52)
-        .build_cartesian_2d((least..most).log_scale(), 0.0..100.0)?;
+    let mut plot = PlotLayout { caption: 15, margin: 12, below: 36, left: 52 }.plot(
+        area,
+        title,
+        (least..most).log_scale(),
+        0.0..100.0,
+    )?;
     plot.configure_mesh()
         .x_desc(unit)
         .y_desc("% of drags, at most so much")
@@ -71,9 +71,7 @@ fn panel(
         }
     }
     if key {
-        plot.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
-            .label("thin: the paper's formulas")
-            .legend(chart::line(BLACK.mix(0.8)));
+        chart::note(&mut plot, "thin: the paper's formulas", chart::line(BLACK.mix(0.8)))?;
         chart::key(&mut plot, SeriesLabelPosition::MiddleLeft)?;
     }
     Ok(())

@@ -10,19 +10,11 @@ use super::off::{EquationError, distance_px};
 use super::paper;
 use super::stage::TrialScene;
 use super::trial::{Trial, TrialKind};
+use crate::circle::ms;
 use crate::{Progress, Quantiles};
 
 /// Distance in pixels from the cursor within which a feature counts as being under the cursor.
 pub(super) const LANDED_PX: f64 = 0.5;
-
-/// Options of the benchmark of drags.
-#[derive(Clone, Copy, Debug)]
-pub struct DragBenchOptions {
-    /// Drags of each kind in each scene.
-    pub drags: usize,
-    /// Seed of the random drags.
-    pub seed: u64,
-}
 
 /// Results of the benchmark of drags.
 #[derive(Clone, Debug, Serialize)]
@@ -112,18 +104,19 @@ impl DragError {
     }
 }
 
-/// Makes random drags of every kind in each scene.
+/// Makes `drags` random drags of every kind in each scene.
 pub(super) fn measure_trials(
     stages: &[TrialScene],
-    options: DragBenchOptions,
+    drags: usize,
+    seed: u64,
     progress: impl Fn(Progress),
 ) -> (DragBenchReport, Vec<MeasuredTrial>) {
     let (mut all, mut done) = (Vec::new(), 0);
-    let of = stages.len() * TrialKind::all().count() * options.drags;
+    let of = stages.len() * TrialKind::all().count() * drags;
     for stage in stages {
         for kind in TrialKind::all() {
-            for number in 0..options.drags {
-                let trial = Trial::random(stage, kind, Trial::seed(options.seed, &stage.name, kind, number));
+            for number in 0..drags {
+                let trial = Trial::random(stage, kind, Trial::seed(seed, &stage.name, kind, number));
                 all.extend(trial.map(|trial| measure_trial(stage, &trial)));
                 done += 1;
                 progress(Progress { done, of, what: stage.name.clone() });
@@ -132,8 +125,8 @@ pub(super) fn measure_trials(
     }
     let report = DragBenchReport {
         scenes: stages.iter().map(|stage| stage.name.clone()).collect(),
-        drags: options.drags,
-        seed: options.seed,
+        drags,
+        seed,
         kinds: TrialKind::all().map(|kind| kind_report(kind, &all)).collect(),
     };
     (report, all)
@@ -141,25 +134,23 @@ pub(super) fn measure_trials(
 
 fn measure_trial(stage: &TrialScene, trial: &Trial) -> MeasuredTrial {
     let began = Instant::now();
-    let landing = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
-    let ours_ms = began.elapsed().as_secs_f64() * 1e3;
+    let result = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
+    let ours_ms = ms(began.elapsed());
     let began = Instant::now();
     let moved = paper::moved(stage, trial);
-    let paper_ms = began.elapsed().as_secs_f64() * 1e3;
-    let ours = DragError::new(stage, trial, Some(landing.light), ours_ms);
+    let paper_ms = ms(began.elapsed());
     MeasuredTrial {
         kind: trial.kind,
-        ours,
+        ours: DragError::new(stage, trial, Some(result.light), ours_ms),
         paper: DragError::new(stage, trial, moved, paper_ms),
-        iterations: landing.iterations,
+        iterations: result.iterations,
     }
 }
 
 fn kind_report(kind: TrialKind, all: &[MeasuredTrial]) -> KindReport {
     let of_kind: Vec<&MeasuredTrial> = all.iter().filter(|made| made.kind == kind).collect();
     let side = |of: fn(&MeasuredTrial) -> &DragError| {
-        let values =
-            |value: fn(&DragError) -> f64| Quantiles::of(of_kind.iter().map(move |made| value(of(made))));
+        let values = |value: fn(&DragError) -> f64| Quantiles::of(of_kind.iter().map(move |made| value(of(made))));
         let count = |is: fn(&DragError) -> bool| of_kind.iter().filter(|made| is(of(made))).count();
         DragErrors {
             landed: count(|one| one.px <= LANDED_PX),

@@ -12,18 +12,19 @@ mod trial;
 
 use crate::{BenchError, Progress};
 
-pub use measured::{DragBenchOptions, DragBenchReport, DragErrors, KindReport};
+pub use measured::{DragBenchReport, DragErrors, KindReport};
 pub use off::{EquationError, distance_px};
 pub use stage::TrialScene;
 pub use trial::{FEATURES, Trial, TrialKind};
 
-/// Makes random drags of every kind in each scene. Returns the report and the chart in SVG.
+/// Makes `drags` random drags of every kind in each scene. Returns the report and the chart in SVG.
 pub fn run(
     stages: &[TrialScene],
-    options: DragBenchOptions,
+    drags: usize,
+    seed: u64,
     progress: impl Fn(Progress),
 ) -> Result<(DragBenchReport, String), BenchError> {
-    let (report, all) = measured::measure_trials(stages, options, progress);
+    let (report, all) = measured::measure_trials(stages, drags, seed, progress);
     let chart = chart::draw(&all)?;
     Ok((report, chart))
 }

@@ -11,7 +11,7 @@ use scene::pixel_of;
 use super::stage::TrialScene;
 use super::trial::Trial;
 
-/// Distance in pixels of the finite differences of a direction over the picture.
+/// Step in pixels of the finite differences from which Newton's method takes its slope.
 const GRADIENT_STEP_PX: f64 = 0.25;
 
 /// Angle in degrees within which a surface faces the light.
@@ -58,8 +58,7 @@ impl EquationError {
 
     /// True if the error is less than half a pixel or a tenth of a degree, at which the drag counts as converged.
     pub fn is_landed(&self, feature: Feature) -> bool {
-        self.px_or_degrees
-            < if matches!(feature, Feature::Shadow | Feature::Hotspot) { 0.5 } else { TURNED_DEGREES }
+        self.px_or_degrees < if matches!(feature, Feature::Shadow | Feature::Hotspot) { 0.5 } else { TURNED_DEGREES }
     }
 }
 
@@ -122,8 +121,7 @@ fn nearest_on_light_path(
 fn nearest_centre(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Option<f64> {
     let cursor = trial.drag.to;
     let is_diffuse = trial.kind.feature == Feature::Diffuse;
-    if is_diffuse
-        && EquationError::at_target(stage, trial, light).is_some_and(|off| off.px_or_degrees < TURNED_DEGREES)
+    if is_diffuse && EquationError::at_target(stage, trial, light).is_some_and(|off| off.px_or_degrees < TURNED_DEGREES)
     {
         return Some(0.0);
     }
@@ -140,12 +138,12 @@ fn nearest_centre(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Op
     centres.map(|centre| centre.distance(cursor)).min_by(f64::total_cmp)
 }
 
-/// Finds a center by Newton's method from a pixel.
+/// Finds a pixel at which light arrives along the mirror direction or the normal, by Newton's method from the pixel
+/// `start`.
 fn centre(stage: &TrialScene, trial: &Trial, light: &CheckedLight, start: DVec2) -> Option<DVec2> {
     let off = |pixel: DVec2| {
         let seen = stage.seen(pixel)?;
-        let wanted =
-            if trial.kind.feature == Feature::Diffuse { seen.normal } else { seen.mirror_direction() };
+        let wanted = if trial.kind.feature == Feature::Diffuse { seen.normal } else { seen.mirror_direction() };
         let direction = stage.locate(light, seen.position)?.direction;
         let (right, up) = wanted.any_orthonormal_pair();
         (direction.dot(wanted) > 0.0).then(|| DVec2::new(direction.dot(right), direction.dot(up)))
@@ -157,8 +155,7 @@ fn centre(stage: &TrialScene, trial: &Trial, light: &CheckedLight, start: DVec2)
             return Some(pixel);
         }
         let beside = |step: DVec2| Some((off(pixel + step)? - here) / GRADIENT_STEP_PX);
-        let slope =
-            DMat2::from_cols(beside(DVec2::X * GRADIENT_STEP_PX)?, beside(DVec2::Y * GRADIENT_STEP_PX)?);
+        let slope = DMat2::from_cols(beside(DVec2::X * GRADIENT_STEP_PX)?, beside(DVec2::Y * GRADIENT_STEP_PX)?);
         if slope.determinant().abs() < 1e-300 {
             return None;
         }

@@ -47,22 +47,15 @@ pub fn moved(stage: &TrialScene, trial: &Trial) -> Option<Light> {
         }
         Feature::Highlight | Feature::Diffuse => {
             let has = stage.locate(&trial.light, to.position)?.direction;
-            let wanted =
-                if trial.kind.feature == Feature::Diffuse { to.normal } else { to.mirror_direction() };
-            Motion {
-                pivot_in_world: m_to,
-                rotation: DQuat::from_rotation_arc(has, wanted),
-                translation: DVec3::ZERO,
-            }
+            let wanted = if trial.kind.feature == Feature::Diffuse { to.normal } else { to.mirror_direction() };
+            Motion { pivot_in_world: m_to, rotation: DQuat::from_rotation_arc(has, wanted), translation: DVec3::ZERO }
         }
     };
     let light = trial.light.light().clone();
     let Some(chosen) = &trial.drag.points else {
         let (translation, rotation) = (light.get(TRANSLATION), light.get(ROTATION));
         return Some(
-            light
-                .with(TRANSLATION, motion.of(translation))
-                .with(ROTATION, (motion.rotation * rotation).normalize()),
+            light.with(TRANSLATION, motion.of(translation)).with(ROTATION, (motion.rotation * rotation).normalize()),
         );
     };
     let transform = light.transform();

@@ -7,6 +7,9 @@ use raycast::SeenPoint;
 use reference::{Reference, ShadedPoint};
 use scene::{Camera, Scene, View, ViewRay, framing_camera};
 
+/// Minimum distance of a caster from the surface, as a share of the surface's distance from the camera.
+const CONTACT: f64 = 1e-6;
+
 /// A scene and its picture, with queries that are independent of the drag solver.
 #[derive(Debug)]
 pub struct TrialScene {
@@ -45,13 +48,26 @@ impl TrialScene {
         self.reference.surface(&View::beauty(camera.clone(), *size), pixel)
     }
 
+    /// Returns the first point, in scene space, at which the light path to a surface meets a caster that does not touch
+    /// the surface. `coords` are the surface's own. `None` if there is none.
+    pub fn first_caster(&self, light: &CheckedLight, coords: &TubePoint, surface: &ShadedPoint) -> Option<DVec3> {
+        let bvh = &self.reference.bvh;
+        let path = bvh.bent_path(light.tube()?, coords.v, coords.w);
+        let near = CONTACT * surface.depth;
+        let hit = bvh.first_bent_hit(&path, coords.t, |hit| {
+            let is_solid = bvh.passes_alpha_test(&bvh.triangles[hit.triangle], hit.barycentrics);
+            is_solid && hit.position.distance(surface.position) > near
+        })?;
+        Some(hit.position)
+    }
+
     /// Returns the tube coordinates of a point in scene space; `None` outside of the tube.
     pub fn locate(&self, light: &CheckedLight, position: DVec3) -> Option<TubePoint> {
         light.tube()?.locate(position + self.origin()).point
     }
 
     /// Returns the size of the picture in pixels.
-    pub(crate) fn size(&self) -> DVec2 {
+    pub fn size(&self) -> DVec2 {
         DVec2::from(self.view.size.map(f64::from))
     }
 }

@@ -24,11 +24,9 @@ fn straightened(stage: &TrialScene, mut trial: Trial) -> Option<Trial> {
     let begun = trial.light.light();
     let length = begun.points().last()?.position.length();
     let along = light::greville_abscissae(3).into_iter().map(|g| g / 3.0);
-    let (points, radii) =
-        along.map(|g| (DVec3::NEG_Z * (g * length), 0.3 * length * (0.1 + 0.9 * g))).unzip();
-    let light = Light::bendy(points, radii)
-        .with(TRANSLATION, begun.get(TRANSLATION))
-        .with(ROTATION, begun.get(ROTATION));
+    let (points, radii) = along.map(|g| (DVec3::NEG_Z * (g * length), 0.3 * length * (0.1 + 0.9 * g))).unzip();
+    let light =
+        Light::bendy(points, radii).with(TRANSLATION, begun.get(TRANSLATION)).with(ROTATION, begun.get(ROTATION));
     trial.light = CheckedLight::new(light).ok()?;
     let at = |pixel| stage.locate(&trial.light, stage.seen(pixel)?.position);
     (trial.from, _) = (at(trial.drag.from)?, at(trial.drag.to)?);
@@ -61,10 +59,7 @@ fn the_papers_formulas_are_exact_where_they_should_be() {
         }
         println!("{feature:?}: exact {exact}, of bent lights missed {missed}");
         assert!(exact >= 4, "{feature:?}: {exact}");
-        assert!(
-            missed >= 4 || matches!(feature, Feature::Highlight | Feature::Diffuse),
-            "{feature:?}: {missed}"
-        );
+        assert!(missed >= 4 || matches!(feature, Feature::Highlight | Feature::Diffuse), "{feature:?}: {missed}");
     }
 }
 
@@ -74,8 +69,8 @@ fn trials_begin_on_their_feature() {
     let stage = demo();
     for kind in TrialKind::all() {
         let trial = Trial::random(&stage, kind, 7).expect("a drag");
-        let way = trial.drag.from.distance(trial.drag.to) / f64::from(SIZE[0]);
-        assert_eq!(way >= 0.1, kind.is_large);
+        let distance = trial.drag.from.distance(trial.drag.to) / f64::from(SIZE[0]);
+        assert_eq!(distance >= 0.1, kind.is_large);
         let stays = Trial { drag: Drag { to: trial.drag.from, ..trial.drag.clone() }, ..trial.clone() };
         let off = EquationError::at_target(&stage, &stays, &trial.light).expect("the feature is there");
         assert!(off.residual < 1e-6, "{kind:?} {off:?}");

@@ -21,9 +21,6 @@ const LIGHTS: usize = 4_000;
 /// Maximum number of ends tried for a light.
 const ENDS: usize = 30;
 
-/// Minimum distance of a caster from the surface, as a share of the surface's distance from the camera.
-const CONTACT: f64 = 1e-6;
-
 /// Kind of a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TrialKind {
@@ -37,13 +34,8 @@ pub struct TrialKind {
 impl TrialKind {
     /// Returns all sixteen kinds.
     pub fn all() -> impl Iterator<Item = Self> {
-        let of = |feature| {
-            [(false, false), (false, true), (true, false), (true, true)].map(|(deforms, is_large)| Self {
-                feature,
-                deforms,
-                is_large,
-            })
-        };
+        let motions = [(false, false), (false, true), (true, false), (true, true)];
+        let of = move |feature| motions.map(|(deforms, is_large)| Self { feature, deforms, is_large });
         FEATURES.into_iter().flat_map(of)
     }
 
@@ -87,8 +79,7 @@ impl Trial {
     /// Returns the seed of the drag with this number, independent of other drags (FNV-1a).
     pub fn seed(seed: u64, scene: &str, kind: TrialKind, number: usize) -> u64 {
         let text = format!("{seed} {scene} {kind:?} {number}");
-        text.bytes()
-            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+        text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
     }
 
     /// Makes a random drag of the given kind, the same for the same seed. It starts where the feature is visible and
@@ -106,11 +97,7 @@ fn trial(stage: &TrialScene, kind: TrialKind, rng: &mut Rng) -> Option<Trial> {
     let begin = start_on_feature(stage, kind.feature, rng, light)?;
     let width = stage.size().x;
     let to = (0..ENDS).find_map(|_| {
-        let to = if kind.is_large {
-            pixel(rng, stage)
-        } else {
-            begin.pixel + in_ball(rng).truncate() * SMALL * width
-        };
+        let to = if kind.is_large { pixel(rng, stage) } else { begin.pixel + in_ball(rng).truncate() * SMALL * width };
         let is_in_picture = to.cmpge(DVec2::ZERO).all() && to.cmplt(stage.size()).all();
         let is_large = to.distance(begin.pixel) >= SMALL * width;
         let fits = is_in_picture && is_large == kind.is_large;
@@ -127,23 +114,18 @@ fn trial(stage: &TrialScene, kind: TrialKind, rng: &mut Rng) -> Option<Trial> {
         pins: Vec::new(),
         source_outside: false,
     };
-    Some(Trial { kind, light: begin.light, drag, from: begin.place, pivot_in_scene: begin.pivot })
+    Some(Trial { kind, light: begin.light, drag, from: begin.coords, pivot_in_scene: begin.pivot })
 }
 
 /// Light, and a pixel at which it has the feature to drag.
 struct TrialStart {
     light: CheckedLight,
     pixel: DVec2,
-    place: TubePoint,
+    coords: TubePoint,
     pivot: Option<DVec3>,
 }
 
-fn start_on_feature(
-    stage: &TrialScene,
-    feature: Feature,
-    rng: &mut Rng,
-    light: CheckedLight,
-) -> Option<TrialStart> {
+fn start_on_feature(stage: &TrialScene, feature: Feature, rng: &mut Rng, light: CheckedLight) -> Option<TrialStart> {
     let pixel = pixel(rng, stage);
     let surface = stage.surface(pixel)?;
     let mut light = light;
@@ -156,21 +138,13 @@ fn start_on_feature(
         let has = stage.locate(&light, surface.position)?.direction;
         light = turned(&light, surface.position + stage.origin(), DQuat::from_rotation_arc(has, wanted))?;
     }
-    let place = stage.locate(&light, surface.position)?;
+    let coords = stage.locate(&light, surface.position)?;
     let is_lit = stage.reference.sample(&ReferenceLight::new(&light), &surface)?.is_visible;
-    let pivot = if feature == Feature::Shadow && !is_lit {
-        let bvh = &stage.reference.bvh;
-        let path = bvh.bent_path(light.tube()?, place.v, place.w);
-        let near = CONTACT * surface.depth;
-        let hit = bvh.first_bent_hit(&path, place.t, |hit| {
-            let is_solid = bvh.passes_alpha_test(&bvh.triangles[hit.triangle], hit.barycentrics);
-            is_solid && hit.position.distance(surface.position) > near
-        })?;
-        Some(hit.position)
-    } else {
-        None
-    };
-    (is_lit == (feature != Feature::Shadow)).then_some(TrialStart { light, pixel, place, pivot })
+    if is_lit == (feature == Feature::Shadow) {
+        return None;
+    }
+    let pivot = if is_lit { None } else { Some(stage.first_caster(&light, &coords, &surface)?) };
+    Some(TrialStart { light, pixel, coords, pivot })
 }
 
 /// Chooses the last two control points, all but the source, or any.
@@ -189,9 +163,8 @@ fn points(rng: &mut Rng, count: usize) -> Vec<usize> {
 fn turned(light: &CheckedLight, about: DVec3, turn: DQuat) -> Option<CheckedLight> {
     let light = light.light().clone();
     let (translation, rotation) = (light.get(TRANSLATION), light.get(ROTATION));
-    let light = light
-        .with(TRANSLATION, about + turn * (translation - about))
-        .with(ROTATION, (turn * rotation).normalize());
+    let light =
+        light.with(TRANSLATION, about + turn * (translation - about)).with(ROTATION, (turn * rotation).normalize());
     CheckedLight::new(light).ok()
 }
 

@@ -7,7 +7,7 @@ use render::FrameStage;
 
 use super::{BackendError, ComparedRenderer, EditReport, FrameBenchReport, FrameEdit};
 use crate::BenchError;
-use crate::chart::{self, Area, ChartResult, FAINT};
+use crate::chart::{self, Area, ChartResult, FAINT, PlotLayout};
 
 /// One color per stage, in the order of the stages: the G-buffer and passes over it grey, shadow maps blue and violet,
 /// lighting warm, the rest green.
@@ -59,12 +59,12 @@ fn by_stages(area: &Area, report: &FrameBenchReport) -> ChartResult {
     let edits = &report.edits;
     let all = |edit: &EditReport| edit.stages.iter().map(|stage| stage.costs.wall_ms.p50).sum::<f64>();
     let top = edits.iter().map(|edit| all(edit).max(edit.frame.wall_ms.p50)).fold(1.0, f64::max);
-    let mut plot = ChartBuilder::on(area)
-        .caption(caption(report), ("sans-serif", 15))
-        .margin(12)
-        .x_label_area_size(30)
-        .y_label_area_size(56)
-        .build_cartesian_2d((0..FrameEdit::ALL.len() - 1).into_segmented(), 0.0..1.08 * top)?;
+    let mut plot = PlotLayout { caption: 15, margin: 12, below: 30, left: 56 }.plot(
+        area,
+        &caption(report),
+        (0..FrameEdit::ALL.len() - 1).into_segmented(),
+        0.0..1.08 * top,
+    )?;
     plot.configure_mesh()
         .disable_x_mesh()
         .light_line_style(FAINT)
@@ -78,8 +78,7 @@ fn by_stages(area: &Area, report: &FrameBenchReport) -> ChartResult {
     // The bars of an edit are side by side, those of one backend at the same position.
     let groups = report.errors.len();
     let room = plot.plotting_area().dim_in_pixel().0 / FrameEdit::ALL.len() as u32;
-    let place =
-        |at: usize| (SegmentValue::Exact(at % FrameEdit::ALL.len()), (at / FrameEdit::ALL.len()) as u32);
+    let place = |at: usize| (SegmentValue::Exact(at % FrameEdit::ALL.len()), (at / FrameEdit::ALL.len()) as u32);
     let width = (room - 24) / groups as u32;
     for (index, (stage, color)) in FrameStage::ALL.into_iter().zip(COLORS).enumerate() {
         let bar = |(at, edit): (usize, &EditReport)| {
@@ -110,9 +109,7 @@ fn caption(report: &FrameBenchReport) -> String {
     let errors: Vec<_> = report.errors.iter().map(error).collect();
     let whose = errors.join(", right ");
     let left = if errors.len() > 1 { "left " } else { "" };
-    format!(
-        "a frame after each edit: its stages, each waited for; the line is the whole frame; {left}{whose}"
-    )
+    format!("a frame after each edit: its stages, each waited for; the line is the whole frame; {left}{whose}")
 }
 
 /// Returns the color of the measured backend, or of wgpu beside it.

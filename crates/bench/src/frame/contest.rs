@@ -10,7 +10,7 @@ use super::costs::Costs;
 use super::side::timed;
 use super::subject::{FrameRequest, FrameSubject, crowd, instance, moved};
 use super::{Bench, FrameBenchOptions};
-use crate::peers::{FEWEST_FRAMES, Peer, PeerTiming, RUNS};
+use crate::peers::{FEWEST_FRAMES, Peer, RUNS};
 use crate::{BenchError, Peers, Quantiles};
 
 /// Times of whole frames of one renderer under one kind of light.
@@ -70,9 +70,9 @@ impl OwnVariant {
         ]
     }
 
-    /// Variants that wgpu draws too, if the measured backend is another.
-    fn all_by_wgpu(crowd: usize) -> [Self; 5] {
-        [Self::Bent, Self::BentHalfMap, Self::Spot, Self::BentIntensity, Self::Crowd(crowd)]
+    /// True if wgpu draws the variant too, if the measured backend is another.
+    fn is_drawn_by_wgpu_too(self) -> bool {
+        !matches!(self, Self::StraightBendy | Self::BentNothingCulled)
     }
 
     fn name(self) -> String {
@@ -109,8 +109,7 @@ impl OwnVariant {
             Self::StraightBendy => {
                 let segments = subject.bent.points().len().saturating_sub(2);
                 let length = subject.bent.points().last().map_or(1.0, |point| point.position.length());
-                let straight =
-                    bend_with_length(&subject.spot, segments, length * subject.bent.transform().scale)?;
+                let straight = bend_with_length(&subject.spot, segments, length * subject.bent.transform().scale)?;
                 subject.under(moved(&straight, k, radius))
             }
             Self::BentIntensity => {
@@ -135,13 +134,10 @@ pub(super) fn steps(options: &FrameBenchOptions) -> usize {
 
 /// Draws some frames in a row of each variant, as in a drag and as other renderers draw them, then runs each other
 /// renderer, and repeats all of it.
-pub(super) fn measured(
-    bench: &mut Bench,
-    subject: &FrameSubject,
-) -> Result<Vec<ComparedRenderer>, BenchError> {
+pub(super) fn measured(bench: &mut Bench, subject: &FrameSubject) -> Result<Vec<ComparedRenderer>, BenchError> {
     let FrameBenchOptions { repeats, peers, .. } = bench.options;
     let mut entries = entries(bench, subject)?;
-    let mut lines: Vec<Vec<PeerTiming>> = Vec::new();
+    let mut lines = Vec::new();
     let frames = repeats.div_ceil(RUNS);
     for round in 0..RUNS {
         bench.step("side by side: ours");
@@ -155,17 +151,16 @@ pub(super) fn measured(
                 }
             }
         }
-        for index in 0..peers.map_or(0, Peers::count) {
-            bench.step("side by side: peers");
-            let Some(peers) = peers else { continue };
-            lines.push(peers.run(index, frames.max(FEWEST_FRAMES))?);
+        if let Some(peers) = peers {
+            let frames = frames.max(FEWEST_FRAMES);
+            lines.extend(peers.run_all(frames, || bench.step("side by side: peers"))?);
         }
     }
-    let mut contestants: Vec<_> = entries.into_iter().map(MeasuredVariant::contestant).collect();
+    let mut contestants: Vec<ComparedRenderer> = entries.into_iter().map(ComparedRenderer::from).collect();
     for side in &bench.backends {
         side.renderer.free_dropped_memory();
     }
-    contestants.extend(Peer::all(&lines.concat()).into_iter().map(ComparedRenderer::from));
+    contestants.extend(Peer::all(&lines).into_iter().map(ComparedRenderer::from));
     let bent = contestants[0].wall_ms;
     for ComparedRenderer { wall_ms, to_bent, .. } in &mut contestants {
         *to_bent = wall_ms.over(&bent);
@@ -179,20 +174,13 @@ fn entries(bench: &Bench, subject: &FrameSubject) -> Result<Vec<MeasuredVariant>
     let mut entries = Vec::new();
     for (index, side) in bench.backends.iter().enumerate() {
         let is_main = index == 0;
-        let all =
-            if is_main { OwnVariant::all(crowd).to_vec() } else { OwnVariant::all_by_wgpu(crowd).to_vec() };
-        for ours in all {
+        let is_drawn = |ours: &OwnVariant| is_main || ours.is_drawn_by_wgpu_too();
+        for ours in OwnVariant::all(crowd).into_iter().filter(is_drawn) {
             let mut renderer = side.renderer.with_same_pipelines()?;
             renderer.set_shadow_settings(ours.settings())?;
             renderer.set_scene(&subject.posed)?;
             let what = if is_main { ours.name() } else { format!("{}ByWgpu", ours.name()) };
-            entries.push(MeasuredVariant {
-                what,
-                backend: side.backend(),
-                ours,
-                renderer,
-                costs: Vec::new(),
-            });
+            entries.push(MeasuredVariant { what, backend: side.backend(), ours, renderer, costs: Vec::new() });
         }
     }
     Ok(entries)
@@ -205,17 +193,9 @@ impl From<Peer> for ComparedRenderer {
     }
 }
 
-impl MeasuredVariant {
-    fn contestant(self) -> ComparedRenderer {
-        let Self { what, backend, costs, .. } = self;
+impl From<MeasuredVariant> for ComparedRenderer {
+    fn from(MeasuredVariant { what, backend, costs, .. }: MeasuredVariant) -> Self {
         let (Costs { wall_ms, cpu_ms }, to_bent) = (Costs::of(&costs), Quantiles::default());
-        ComparedRenderer {
-            what,
-            backend: Some(backend),
-            version: None,
-            wall_ms,
-            cpu_ms: Some(cpu_ms),
-            to_bent,
-        }
+        Self { what, backend: Some(backend), version: None, wall_ms, cpu_ms: Some(cpu_ms), to_bent }
     }
 }

@@ -68,8 +68,7 @@ impl StageCosts {
 
 impl From<WorkCounters> for WorkCounts {
     fn from(counters: WorkCounters) -> Self {
-        let WorkCounters { triangles_seen, triangles_split, triangles_drawn, texels, scissor_pixels, bytes } =
-            counters;
+        let WorkCounters { triangles_seen, triangles_split, triangles_drawn, texels, scissor_pixels, bytes } = counters;
         Self { triangles_seen, triangles_split, triangles_drawn, texels, scissor_pixels, bytes }
     }
 }

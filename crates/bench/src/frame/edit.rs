@@ -8,10 +8,10 @@ use scene::{View, ViewSlot};
 use serde::Serialize;
 use stream::MOVING_QUALITY;
 
-use super::Bench;
 use super::costs::{Costs, StageCosts, WorkCounts};
 use super::side::timed;
 use super::subject::{FrameRequest, FrameSubject, moved};
+use super::{Bench, MeasuredBackend};
 use crate::BenchError;
 
 /// Edit that changes the picture before it into the measured one.
@@ -127,51 +127,47 @@ impl FrameEdit {
 /// Measures every edit on each backend once, and repeats that, so that other work of the machine disturbs all of them
 /// alike. Returns one row per edit of the first backend, then those of the other.
 pub(super) fn measured(bench: &mut Bench, subject: &FrameSubject) -> Result<Vec<EditReport>, BenchError> {
-    let rows = |side: &super::MeasuredBackend| {
-        FrameEdit::ALL.map(|edit| EditMeasurements::new(side.backend(), edit))
-    };
-    let mut measured: Vec<EditMeasurements> = bench.backends.iter().flat_map(rows).collect();
+    let mut measured: Vec<[EditMeasurements; FrameEdit::ALL.len()]> =
+        bench.backends.iter().map(|_| Default::default()).collect();
     // Turn 0 compiles pipelines and is not timed.
     for k in 0..=bench.options.repeats {
         if k > 0 {
             bench.step("edits");
         }
         for (at, edit) in FrameEdit::ALL.into_iter().enumerate() {
-            for (side, rows) in bench.backends.iter_mut().zip(measured.chunks_mut(FrameEdit::ALL.len())) {
-                let taken = measure_frame(&mut side.renderer, subject, edit, k)?;
-                if k > 0 {
-                    rows[at].add(taken);
-                }
+            for (side, rows) in bench.backends.iter_mut().zip(&mut measured) {
+                let mut turn = EditMeasurements::default();
+                let taken = if k > 0 { &mut rows[at] } else { &mut turn };
+                measure_frame(&mut side.renderer, subject, edit, k, taken)?;
             }
         }
     }
-    Ok(measured.into_iter().map(EditMeasurements::report).collect())
+    let of_backend = |(side, rows): (&MeasuredBackend, [EditMeasurements; FrameEdit::ALL.len()])| {
+        let edits = FrameEdit::ALL.into_iter().zip(rows);
+        edits.map(|(edit, row)| row.report(side.backend(), edit)).collect::<Vec<_>>()
+    };
+    Ok(bench.backends.iter().zip(measured).flat_map(of_backend).collect())
 }
 
-/// Times of a frame after an edit.
-struct MeasuredFrame {
-    frame: StageCost,
-    encode: StageCost,
-    recording: Recording,
-}
-
-/// Draws the frame after an edit, once whole and once stage by stage.
+/// Draws the frame after an edit, once whole and once stage by stage, and adds its times to `taken`.
 fn measure_frame(
     renderer: &mut Renderer,
     subject: &FrameSubject,
     edit: FrameEdit,
     k: usize,
-) -> Result<MeasuredFrame, BenchError> {
+    taken: &mut EditMeasurements,
+) -> Result<(), BenchError> {
     let (unedited, edited) = (subject.under(subject.bent.clone())?, edit.frame(subject, k)?);
     draw_unedited(renderer, edit, &unedited)?;
     let (bytes, frame) = timed(renderer, &edited)?;
     let mut watch = Stopwatch::start();
     let View { width, height, .. } = edited.view;
     stream::jpeg(&bytes, width as u16, height as u16, MOVING_QUALITY)?;
-    let encode = watch.lap();
+    taken.encodes.push(watch.lap());
+    taken.frames.push(frame);
     draw_unedited(renderer, edit, &unedited)?;
-    let (_, recording) = renderer.record_display(&edited.view, &edited.lights)?;
-    Ok(MeasuredFrame { frame, encode, recording })
+    taken.recordings.push(renderer.record_display(&edited.view, &edited.lights)?.1);
+    Ok(())
 }
 
 /// Draws the picture without the edit, or drops the view if the edit is a first frame.
@@ -185,29 +181,18 @@ fn draw_unedited(renderer: &mut Renderer, edit: FrameEdit, frame: &FrameRequest)
 }
 
 /// Measurements of all frames of an edit.
+#[derive(Default)]
 struct EditMeasurements {
-    backend: &'static str,
-    edit: FrameEdit,
     frames: Vec<StageCost>,
     encodes: Vec<StageCost>,
     recordings: Vec<Recording>,
 }
 
 impl EditMeasurements {
-    fn new(backend: &'static str, edit: FrameEdit) -> Self {
-        Self { backend, edit, frames: Vec::new(), encodes: Vec::new(), recordings: Vec::new() }
-    }
-
-    fn add(&mut self, MeasuredFrame { frame, encode, recording }: MeasuredFrame) {
-        self.frames.push(frame);
-        self.encodes.push(encode);
-        self.recordings.push(recording);
-    }
-
-    fn report(self) -> EditReport {
+    fn report(self, backend: &'static str, edit: FrameEdit) -> EditReport {
         EditReport {
-            backend: self.backend,
-            edit: self.edit,
+            backend,
+            edit,
             frame: Costs::of(&self.frames),
             encode: Costs::of(&self.encodes),
             stages: StageCosts::of(&self.recordings),

@@ -48,12 +48,13 @@ pub(super) fn errors_of_backends(
     let subjects: Vec<_> = lights.iter().map(subject).collect();
     let expected = subjects.iter().map(|subject| ExpectedPicture::new(subject, || {}));
     let expected = expected.collect::<Result<Vec<_>, _>>()?;
-    sides.iter_mut().map(|side| error_of_renderer(&mut side.renderer, (&subjects, &expected), view)).collect()
+    sides.iter_mut().map(|side| error_of_renderer(&mut side.renderer, &subjects, &expected, view)).collect()
 }
 
 fn error_of_renderer(
     renderer: &mut Renderer,
-    (subjects, expected): (&[ComparisonSubject], &[ExpectedPicture]),
+    subjects: &[ComparisonSubject],
+    expected: &[ExpectedPicture],
     view: &View,
 ) -> Result<PictureError, BenchError> {
     if let Some(first) = expected.first() {

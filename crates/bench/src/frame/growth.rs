@@ -14,14 +14,14 @@ use super::side::timed;
 use super::subject::{FrameRequest, crowd, instance, moved};
 use crate::BenchError;
 use crate::bent::bent;
-use crate::shadow::scenes::{PlacedPrimitive, floor, place, scene_of, view};
-use crate::solids::ball;
+use crate::shadow::scenes::{floor, grey_scene, place, view};
+use crate::solids::{PlacedPrimitive, ball};
 
 /// Balls along each side of the square that they form.
 const SIDE: u32 = 5;
 /// Triangles inside the tube, on axes that count other things.
 const INSIDE: u32 = 10_000;
-/// Distance between the balls in the light and those that it does not reach.
+/// Distance between the balls in the light and those that it does not reach, in world units.
 const OUTSIDE: f64 = 5.0;
 /// Pixels of a frame, on axes that count other things.
 const SIZE: [u32; 2] = [686, 382];
@@ -51,15 +51,15 @@ pub struct GrowthPlan {
 pub struct GrowthAxis {
     /// `trianglesInTube`, `trianglesOutside`, `lights`, `segments` or `pixels`.
     pub axis: &'static str,
-    /// Points in ascending order.
+    /// Measurements, one for each amount of the quantity, in ascending order.
     pub points: Vec<GrowthPoint>,
 }
 
-/// Measurements at one point of an axis.
+/// Measurements at one amount of the quantity that an axis varies.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct GrowthPoint {
-    /// Amount of the quantity that the axis counts.
+    /// Amount of the quantity, such as a number of triangles.
     pub value: u64,
     /// Pixels.
     pub width: u32,
@@ -72,7 +72,7 @@ pub struct GrowthPoint {
     pub by_wgpu: Option<GrowthCosts>,
 }
 
-/// Costs and error of a backend's frames at one point.
+/// Costs and error of a backend's frames at one amount of the quantity that an axis varies.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct GrowthCosts {
@@ -101,7 +101,7 @@ impl GrowthPlan {
     }
 }
 
-/// Scene, lights and picture size of a point.
+/// Scene, lights and picture size of one measurement.
 struct GrowthSetting {
     value: u64,
     scene: Scene,
@@ -113,16 +113,10 @@ struct GrowthSetting {
 /// Measures every axis.
 pub(super) fn measured(bench: &mut Bench, plan: &GrowthPlan) -> Result<Vec<GrowthAxis>, BenchError> {
     let alone = |segments| Ok::<_, BenchError>(vec![bent(&spot(), segments, length())?]);
-    let setting = |value, scene, lights| GrowthSetting {
-        value,
-        scene,
-        lights,
-        size: SIZE,
-        reference_divisor: REFERENCE_DIVISOR,
-    };
+    let setting =
+        |value, scene, lights| GrowthSetting { value, scene, lights, size: SIZE, reference_divisor: REFERENCE_DIVISOR };
     let mut axes: [(&'static str, Vec<GrowthSetting>); 5] =
-        ["trianglesInTube", "trianglesOutside", "lights", "segments", "pixels"]
-            .map(|axis| (axis, Vec::new()));
+        ["trianglesInTube", "trianglesOutside", "lights", "segments", "pixels"].map(|axis| (axis, Vec::new()));
     for &triangles in &plan.triangles {
         let value = u64::from(triangles);
         axes[0].1.push(setting(value, balls(triangles, 0), alone(3)?));
@@ -176,11 +170,8 @@ fn point(bench: &mut Bench, axis: &str, setting: GrowthSetting) -> Result<Growth
     }
     let view = View { width: width / smaller, height: height / smaller, ..view };
     let errors = error::errors_of_backends(&mut bench.backends, &scene, &lights, &view)?;
-    let of_side = |((costs, counted), error): ((&Vec<StageCost>, _), _)| GrowthCosts {
-        frame: Costs::of(costs),
-        counted,
-        error,
-    };
+    let of_side =
+        |((costs, counted), error): ((&Vec<StageCost>, _), _)| GrowthCosts { frame: Costs::of(costs), counted, error };
     let mut grown: Vec<GrowthCosts> = costs.iter().zip(counted).zip(errors).map(of_side).collect();
     let by_wgpu = grown.drain(1..).next();
     Ok(GrowthPoint { value, width, height, grown: grown.remove(0), by_wgpu })
@@ -190,11 +181,7 @@ fn point(bench: &mut Bench, axis: &str, setting: GrowthSetting) -> Result<Growth
 fn spot() -> Light {
     let source = DVec3::new(-1.2, 4.2, 1.8);
     let rotation = DQuat::from_rotation_arc(DVec3::NEG_Z, (-source).normalize());
-    Light::spot()
-        .with(TRANSLATION, source)
-        .with(ROTATION, rotation)
-        .with(CONE_ANGLE, CONE)
-        .with(INTENSITY, 60.0)
+    Light::spot().with(TRANSLATION, source).with(ROTATION, rotation).with(CONE_ANGLE, CONE).with(INTENSITY, 60.0)
 }
 
 /// Returns the distance from the light to the balls.
@@ -215,6 +202,5 @@ fn balls(inside: u32, outside: u32) -> Scene {
             PlacedPrimitive(ball(rings.max(3)), place([0.15; 3], 0.0, [middle + x, 0.15, z]))
         })
     };
-    let parts = std::iter::once(floor()).chain(square(inside, 0.0)).chain(square(outside, OUTSIDE));
-    scene_of(parts.collect())
+    grey_scene(std::iter::once(floor()).chain(square(inside, 0.0)).chain(square(outside, OUTSIDE)))
 }

@@ -44,7 +44,7 @@ pub struct FrameBenchOptions<'a> {
     pub backend: Option<Backend>,
     /// Other renderers to run for comparison.
     pub peers: Option<&'a Peers>,
-    /// Points at which growth is measured.
+    /// Numbers of triangles, lights, segments and pixels for which frame times are measured too; `None` for none.
     pub growth: Option<&'a GrowthPlan>,
 }
 
@@ -78,7 +78,7 @@ pub struct FrameBenchReport {
     /// Times of whole frames of different renderers and lights, which were measured in rotation. All are compared with
     /// the first, `bent`.
     pub side_by_side: Vec<ComparedRenderer>,
-    /// Growth of frame times; empty if it was not requested.
+    /// Frame times by number of triangles, lights, segments and pixels; empty if they were not requested.
     pub growth: Vec<GrowthAxis>,
 }
 
@@ -149,12 +149,5 @@ impl Bench<'_> {
         let errors = error::errors_of_backends(&mut self.backends, scene, &lights, &view)?;
         let of_side = |(side, error): (&MeasuredBackend, _)| BackendError { backend: side.backend(), error };
         Ok(self.backends.iter().zip(errors).map(of_side).collect())
-    }
-}
-
-impl FrameBenchReport {
-    /// Formats the report as tables for a terminal.
-    pub fn table(&self) -> String {
-        table::of(self)
     }
 }

@@ -14,13 +14,6 @@ pub(super) struct MeasuredBackend {
 }
 
 impl MeasuredBackend {
-    fn open(backend: Backend, scene: &Arc<PosedScene>) -> Result<Self, RenderError> {
-        let gpu = Arc::new(Gpu::open(MemoryBudget::default(), Some(backend))?);
-        let mut renderer = Renderer::new(Arc::clone(&gpu))?;
-        renderer.set_scene(scene)?;
-        Ok(Self { gpu, renderer })
-    }
-
     /// Returns the name of the backend in reports.
     pub fn backend(&self) -> &'static str {
         self.gpu.backend().name()
@@ -41,14 +34,17 @@ pub(super) fn open_backends(
     wanted: Option<Backend>,
     scene: &Arc<PosedScene>,
 ) -> Result<Vec<MeasuredBackend>, RenderError> {
-    backends(wanted)?.into_iter().map(|backend| MeasuredBackend::open(backend, scene)).collect()
+    let open = |backend| {
+        let gpu = Arc::new(Gpu::open(MemoryBudget::default(), Some(backend))?);
+        let mut renderer = Renderer::new(Arc::clone(&gpu))?;
+        renderer.set_scene(scene)?;
+        Ok(MeasuredBackend { gpu, renderer })
+    };
+    backends(wanted)?.into_iter().map(open).collect()
 }
 
 /// Draws a whole frame. Returns its bytes and its time.
-pub(super) fn timed(
-    renderer: &mut Renderer,
-    frame: &FrameRequest,
-) -> Result<(Vec<u8>, StageCost), RenderError> {
+pub(super) fn timed(renderer: &mut Renderer, frame: &FrameRequest) -> Result<(Vec<u8>, StageCost), RenderError> {
     let mut watch = Stopwatch::start();
     let bytes = renderer.render_display(&frame.view, &frame.lights)?;
     Ok((bytes, watch.lap()))

@@ -2,17 +2,17 @@
 
 use std::fmt::Write;
 
-use super::{BackendError, EditReport, FrameBenchReport, FrameEdit, GrowthPoint, PictureError, StageCosts};
+use super::{BackendError, Costs, EditReport, FrameBenchReport, FrameEdit, GrowthPoint, PictureError, StageCosts};
 
-/// Formats the report as tables: the costs of edits by stages, the renderers side by side, and the growth of frame
-/// times.
-pub(super) fn of(report: &FrameBenchReport) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = edits(&mut text, report)
-        .and_then(|()| contestants(&mut text, report))
-        .and_then(|()| growth(&mut text, report));
-    text
+impl FrameBenchReport {
+    /// Formats the report as tables for a terminal: the costs of edits by stages, the renderers side by side, and the
+    /// growth of frame times.
+    pub fn table(&self) -> String {
+        let mut text = String::new();
+        let parts = [edits, contestants, growth];
+        parts.into_iter().try_for_each(|part| part(&mut text, self)).expect("writing to a string does not fail");
+        text
+    }
 }
 
 fn edits(text: &mut String, report: &FrameBenchReport) -> std::fmt::Result {
@@ -22,9 +22,7 @@ fn edits(text: &mut String, report: &FrameBenchReport) -> std::fmt::Result {
         text,
         "wall ms of the whole frame (minimum, median), its CPU ms (median), and wall ms of its stages (median):"
     )?;
-    for (edits, BackendError { backend, error }) in
-        report.edits.chunks(FrameEdit::ALL.len()).zip(&report.errors)
-    {
+    for (edits, BackendError { backend, error }) in report.edits.chunks(FrameEdit::ALL.len()).zip(&report.errors) {
         group(text, backend, edits)?;
         let PictureError { width, height, compared, radiance_rmse } = error;
         writeln!(
@@ -43,21 +41,11 @@ fn group(text: &mut String, backend: &str, edits: &[EditReport]) -> std::fmt::Re
     }
     writeln!(text, "{:>8}", "encode")?;
     for edit in edits {
-        let frame = edit.frame;
-        write!(
-            text,
-            "{:14}{:8.1}{:8.1}{:8.1}",
-            edit.edit.name(),
-            frame.wall_ms.min,
-            frame.wall_ms.p50,
-            frame.cpu_ms.p50
-        )?;
+        let Costs { wall_ms, cpu_ms } = edit.frame;
+        write!(text, "{:14}{:8.1}{:8.1}{:8.1}", edit.edit.name(), wall_ms.min, wall_ms.p50, cpu_ms.p50)?;
         for stage in &edit.stages {
-            if stage.runs == 0 {
-                write!(text, "{:>10}", "-")?;
-            } else {
-                write!(text, "{:10.1}", stage.costs.wall_ms.p50)?;
-            }
+            let ms = if stage.runs == 0 { "-".into() } else { format!("{:.1}", stage.costs.wall_ms.p50) };
+            write!(text, "{ms:>10}")?;
         }
         writeln!(text, "{:8.1}", edit.encode.wall_ms.p50)?;
     }

@@ -6,12 +6,12 @@ use light::parameters::{CONE_ANGLE, INTENSITY, TRANSLATION};
 use serde_json::Value;
 
 use super::*;
-use crate::shadow::scenes::{PlacedPrimitive, floor, place, scene_of, view};
-use crate::solids::ball;
+use crate::shadow::scenes::{floor, grey_scene, place, view};
+use crate::solids::{PlacedPrimitive, ball};
 
 /// Returns a ball on a floor under a spotlight from above.
 fn subject() -> FrameSubject {
-    let scene = scene_of(vec![floor(), PlacedPrimitive(ball(8), place([0.4; 3], 0.0, [0.0, 0.4, 0.0]))]);
+    let scene = grey_scene([floor(), PlacedPrimitive(ball(8), place([0.4; 3], 0.0, [0.0, 0.4, 0.0]))]);
     let down = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, DVec3::NEG_Y);
     let spot = Light::spot()
         .with(TRANSLATION, DVec3::new(0.2, 4.0, 0.1))
@@ -22,17 +22,10 @@ fn subject() -> FrameSubject {
 }
 
 fn report(backend: Backend) -> Value {
-    let growth =
-        GrowthPlan { triangles: vec![1_000], lights: vec![2], segments: vec![2], sizes: vec![[160, 90]] };
-    let options = FrameBenchOptions {
-        repeats: 2,
-        crowd: 3,
-        backend: Some(backend),
-        peers: None,
-        growth: Some(&growth),
-    };
-    let (report, chart) =
-        run(&subject(), options, &|progress| assert!(progress.done < progress.of)).expect("measured");
+    let growth = GrowthPlan { triangles: vec![1_000], lights: vec![2], segments: vec![2], sizes: vec![[160, 90]] };
+    let options =
+        FrameBenchOptions { repeats: 2, crowd: 3, backend: Some(backend), peers: None, growth: Some(&growth) };
+    let (report, chart) = run(&subject(), options, &|progress| assert!(progress.done < progress.of)).expect("measured");
     assert!(chart.starts_with("<svg"));
     let table = report.table();
     assert!(FrameEdit::ALL.iter().all(|edit| table.contains(edit.name())), "{table}");
@@ -71,11 +64,8 @@ fn expected(backend: &str, edit: &str) -> Vec<&'static str> {
 fn fault(row: &Value, backend: &str, edit: &str) -> Option<String> {
     let expected = expected(backend, edit);
     let stages = row["stages"].as_array().expect("stages");
-    let ran: Vec<&str> = stages
-        .iter()
-        .filter(|stage| stage["runs"] != 0)
-        .filter_map(|stage| stage["stage"].as_str())
-        .collect();
+    let ran: Vec<&str> =
+        stages.iter().filter(|stage| stage["runs"] != 0).filter_map(|stage| stage["stage"].as_str()).collect();
     let of_light = stages.iter().filter(|stage| stage["stage"] == "light").any(|stage| stage["runs"] == 1);
     let map = expected.contains(&"draw");
     let read_back = if expected.contains(&"readback") { 64 * 36 * 4 } else { 0 };
@@ -178,8 +168,7 @@ fn beside_the_processor_wgpu_draws_the_same_in_the_same_run() {
     let report = report(Backend::Native);
     assert_eq!(report["backend"], "native");
     check_edits(&report, &["native", "wgpu"]);
-    let beside =
-        ["bentByWgpu", "bentHalfMapByWgpu", "spotByWgpu", "bentIntensityByWgpu", "bent3OneMovesByWgpu"];
+    let beside = ["bentByWgpu", "bentHalfMapByWgpu", "spotByWgpu", "bentIntensityByWgpu", "bent3OneMovesByWgpu"];
     check_sides(&report, &[("native", &OURS), ("wgpu", &beside)]);
     check_errors(&report, &["native", "wgpu"]);
     // The rows of one backend fail the checks of the other.

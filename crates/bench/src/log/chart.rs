@@ -4,7 +4,7 @@ use plotters::prelude::*;
 
 use super::{IN_FLIGHT, LogBenchReport, OpeningTime};
 use crate::BenchError;
-use crate::chart::{self, Area, BLUE, ChartResult, FAINT, ORANGE, range};
+use crate::chart::{self, Area, BLUE, ChartResult, FAINT, ORANGE, PlotLayout, range};
 
 type Time = fn(&OpeningTime) -> f64;
 
@@ -26,11 +26,12 @@ fn rates(area: &Area, report: &LogBenchReport) -> ChartResult {
         ("replayed", report.replayed),
     ];
     let most = bars.iter().map(|(_, rate)| rate.per_second).fold(1.0, f64::max);
-    let mut plot = ChartBuilder::on(area)
-        .caption("edits a second", ("sans-serif", 18))
-        .margin(12)
-        .x_label_area_size(36)
-        .build_cartesian_2d((1.0..10.0 * most).log_scale(), 0.0..bars.len() as f64)?;
+    let mut plot = PlotLayout { caption: 18, margin: 12, below: 36, left: 0 }.plot(
+        area,
+        "edits a second",
+        (1.0..10.0 * most).log_scale(),
+        0.0..bars.len() as f64,
+    )?;
     plot.configure_mesh()
         .x_desc("a second")
         .light_line_style(FAINT)
@@ -52,15 +53,12 @@ fn opening(area: &Area, opening: &[OpeningTime]) -> ChartResult {
     let times = opening.iter().flat_map(|o| [o.without_checkpoint_ms, o.reopened_ms]);
     let (least, most) = range(times);
     let longest = opening.iter().map(|o| o.records).max().unwrap_or(1) as f64;
-    let mut plot = ChartBuilder::on(area)
-        .caption("opening a session", ("sans-serif", 18))
-        .margin(12)
-        .x_label_area_size(36)
-        .y_label_area_size(56)
-        .build_cartesian_2d(
-            (1.0..1.5 * longest).log_scale(),
-            (0.5 * least..2.0 * most.max(1.0)).log_scale(),
-        )?;
+    let mut plot = PlotLayout { caption: 18, margin: 12, below: 36, left: 56 }.plot(
+        area,
+        "opening a session",
+        (1.0..1.5 * longest).log_scale(),
+        (0.5 * least..2.0 * most.max(1.0)).log_scale(),
+    )?;
     plot.configure_mesh()
         .x_desc("records in its log")
         .y_desc("ms")

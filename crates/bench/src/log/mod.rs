@@ -3,16 +3,16 @@
 mod chart;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command as Process;
 use std::time::{Duration, Instant};
 
-use protocol::{ClientMessage, Scope, ServerMessage};
+use protocol::{ClientMessage, Scope};
 use serde::Serialize;
 
 use crate::circle::ms;
 use crate::dragged::DragCircle;
-use crate::{BenchError, Client, Incoming, Progress, Quantiles, ServerProcess};
+use crate::{BenchError, Client, Progress, Quantiles, ServerProcess};
 
 /// Number of requests in flight, if the client does not wait for each answer before the next request.
 pub const IN_FLIGHT: usize = 64;
@@ -26,13 +26,6 @@ const OPENINGS: usize = 3;
 
 /// Maximum number of log lengths at which opening is measured.
 const LENGTHS: usize = 7;
-
-/// Options of the benchmark of the edit log.
-#[derive(Clone, Copy, Debug)]
-pub struct LogBenchOptions {
-    /// Number of edits that the log grows by.
-    pub edits: usize,
-}
 
 /// Results of the benchmark of the edit log.
 #[derive(Clone, Debug, Serialize)]
@@ -73,49 +66,45 @@ pub struct OpeningTime {
     pub records: u64,
     /// Bytes of the log file.
     pub log_bytes: u64,
-    /// Milliseconds without a checkpoint: all records are replayed.
+    /// Milliseconds until the answer if the log has no checkpoint, so that the server replays all records.
     pub without_checkpoint_ms: f64,
-    /// Milliseconds from the state that the server left: from its checkpoint if it has one, which it writes once there
-    /// are a thousand records.
+    /// Milliseconds until the answer in a second server on the same folder. It starts from the checkpoint that the
+    /// first server wrote, if the log has a thousand records or more; else it replays all records.
     pub reopened_ms: f64,
 }
 
-/// Starts `program serve` with new data and measures. Returns the report and the chart in SVG.
-pub fn run(
-    program: &Path,
-    options: LogBenchOptions,
-    progress: impl Fn(Progress),
-) -> Result<(LogBenchReport, String), BenchError> {
+/// Starts `program serve` with new data, and measures while the log grows by `edits` edits. Returns the report and the
+/// chart in SVG.
+pub fn run(program: &Path, edits: usize, progress: impl Fn(Progress)) -> Result<(LogBenchReport, String), BenchError> {
     let folder = tempfile::tempdir()?;
     let data = folder.path().join("data");
-    let lengths = lengths(options.edits);
-    let (one_at_a_time, undos) = (ONE_AT_A_TIME.min(options.edits), options.edits.min(1_000));
-    let of = one_at_a_time + options.edits + undos + lengths.len() * (1 + 3 * OPENINGS);
+    let lengths = lengths(edits);
+    let (one_at_a_time, undos) = (ONE_AT_A_TIME.min(edits), edits.min(1_000));
+    let of = one_at_a_time + edits + undos + lengths.len() * (1 + 3 * OPENINGS);
     let say = |done: usize, what: &str| progress(Progress { done, of, what: what.into() });
 
     let mut logs = Vec::new();
     let server = ServerProcess::start(program, &data, &["--scene", "demo:vases"])?;
     server.wait_until_ready()?;
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
-    let mut edits = LightEdits::new(&client)?;
+    let mut light = LightEdits::new(&client)?;
     let mut latencies = RequestTimes::default();
     for &length in &lengths {
-        let done = edits.count;
-        let step = edits.send(&mut client, length - done, IN_FLIGHT, |k| say(done + k, "edits"))?;
-        latencies.add(step);
+        let done = light.count;
+        latencies.add(light.send(&mut client, length - done, IN_FLIGHT, |k| say(done + k, "edits"))?);
         let log = folder.path().join(format!("{length}.jsonl"));
-        export(program, &data, &log)?;
-        logs.push((edits.seq, log));
+        let [from, to] = [&data, &log].map(|path| path.display().to_string());
+        answer(program, &["export", "main", "--data", &from, "-o", &to])?;
+        logs.push(ExportedLog { records: light.seq, file: log });
     }
-    let done = options.edits;
-    let slow = edits.send(&mut client, one_at_a_time, 1, |k| say(done + k, "edits, one at a time"))?;
+    let done = edits;
+    let slow = light.send(&mut client, one_at_a_time, 1, |k| say(done + k, "edits, one at a time"))?;
     let done = done + one_at_a_time;
-    let undone = edits.undo(&mut client, undos, |k| say(done + k, "undo"))?;
+    let undone = light.undo(&mut client, undos, |k| say(done + k, "undo"))?;
     server.kill()?;
 
     let done = done + undos;
-    let longest = &logs[logs.len() - 1].1;
-    let replayed = replay(program, longest)?;
+    let replayed = replay(program, &logs[logs.len() - 1].file)?;
     let opened = folder.path().join("opened");
     let opening = openings(program, &opened, &logs, |k, doing| say(done + k, doing))?;
     let report = LogBenchReport {
@@ -225,16 +214,8 @@ impl LightEdits {
                 client.send(&request(op_id, number))?;
                 number += 1;
             }
-            let result = client.wait_for("what became of an edit", |incoming| match incoming {
-                Incoming::Message(message) => match *message {
-                    ServerMessage::EditResult(result) => Some(result),
-                    _ => None,
-                },
-                Incoming::Frame(..) => None,
-            })?;
-            if let Some(problem) = result.outcome.problem() {
-                return Err(BenchError::Refused(problem.message.clone()));
-            }
+            let result = client.wait_for_edit(|_| true)?;
+            BenchError::check(result.outcome.problem())?;
             self.seq = self.seq.max(result.outcome.seq().unwrap_or_default());
             latencies_ms.extend(sent.remove(&result.op_id).map(|sent| ms(sent.elapsed())));
             progress(latencies_ms.len());
@@ -243,20 +224,25 @@ impl LightEdits {
     }
 }
 
-/// Imports the logs as sessions and opens them, first without checkpoints and then from the state that the server left.
-/// `progress` gets the number of finished steps.
+/// Log file of a number of records.
+struct ExportedLog {
+    records: u64,
+    file: PathBuf,
+}
+
+/// Imports the logs as sessions and opens them twice: in a first server without checkpoints, then in a second one, from
+/// the checkpoints that the first wrote. `progress` gets the number of finished steps.
 fn openings(
     program: &Path,
     data: &Path,
-    logs: &[(u64, std::path::PathBuf)],
+    logs: &[ExportedLog],
     progress: impl Fn(usize, &'static str),
 ) -> Result<Vec<OpeningTime>, BenchError> {
     let mut done = logs.len();
     let names = |records: u64| (0..OPENINGS).map(move |copy| format!("log-{records}-{copy}"));
-    for (records, log) in logs {
+    for ExportedLog { records, file } in logs {
         for name in names(*records) {
-            let log = log.display().to_string();
-            let to = data.display().to_string();
+            let [log, to] = [file, data].map(|path| path.display().to_string());
             answer(program, &["import", &log, "--data", &to, "--name", &name])?;
             done += 1;
             progress(done, "import");
@@ -268,7 +254,7 @@ fn openings(
         let server = ServerProcess::start(program, data, &["--scene", "demo:vases"])?;
         server.wait_until_ready()?;
         opened(&server, "main")?;
-        for (records, _) in logs {
+        for ExportedLog { records, .. } in logs {
             let mut fastest = Duration::MAX;
             for name in names(*records) {
                 fastest = fastest.min(opened(&server, &name)?);
@@ -281,8 +267,8 @@ fn openings(
     }
     let [without, reopened] = times;
     let all = logs.iter().zip(without.into_iter().zip(reopened));
-    all.map(|((records, log), (without_checkpoint_ms, reopened_ms))| {
-        let log_bytes = std::fs::metadata(log)?.len();
+    all.map(|(ExportedLog { records, file }, (without_checkpoint_ms, reopened_ms))| {
+        let log_bytes = std::fs::metadata(file)?.len();
         Ok(OpeningTime { records: *records, log_bytes, without_checkpoint_ms, reopened_ms })
     })
     .collect()
@@ -294,11 +280,6 @@ fn opened(server: &ServerProcess, session: &str) -> Result<Duration, BenchError>
     let response = server.get(&format!("/sessions/{session}"))?;
     let took = began.elapsed();
     if response.status == 200 { Ok(took) } else { Err(BenchError::Refused(response.text())) }
-}
-
-fn export(program: &Path, data: &Path, log: &Path) -> Result<(), BenchError> {
-    let [data, log] = [data, log].map(|path| path.display().to_string());
-    answer(program, &["export", "main", "--data", &data, "-o", &log]).map(drop)
 }
 
 /// Runs `bendylights replay` on a log and returns its rate.

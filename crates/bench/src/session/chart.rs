@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 
 use super::{BackendDrag, LatencyStages, SessionBenchReport};
-use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, GREY, ORANGE, VIOLET};
+use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, GREY, ORANGE, PlotLayout, VIOLET};
 use crate::circle::ShownFrame;
 use crate::{BenchError, Quantiles, cases};
 
@@ -62,18 +62,9 @@ fn one(area: &Area, shown: &[ShownFrame], drag: &BackendDrag, top: f64) -> Chart
     let Quantiles { p50, p95, .. } = *edit_to_decoded_ms;
     let caption = format!("{backend}: p50 {p50:.0} ms, p95 {p95:.0} ms, {frames_per_second:.0} frames/s");
     let frames = shown.len().max(1) as f64;
-    let mut plot = ChartBuilder::on(area)
-        .caption(caption, ("sans-serif", 18))
-        .margin(12)
-        .x_label_area_size(36)
-        .y_label_area_size(56)
-        .build_cartesian_2d(0.0..frames, 0.0..top)?;
-    plot.configure_mesh()
-        .disable_x_mesh()
-        .light_line_style(FAINT)
-        .x_desc("frame of the drag")
-        .y_desc("ms")
-        .draw()?;
+    let mut plot =
+        PlotLayout { caption: 18, margin: 12, below: 36, left: 56 }.plot(area, &caption, 0.0..frames, 0.0..top)?;
+    plot.configure_mesh().disable_x_mesh().light_line_style(FAINT).x_desc("frame of the drag").y_desc("ms").draw()?;
     let is_wide = f64::from(plot.plotting_area().dim_in_pixel().0) >= WIDE * frames;
     let beside = if is_wide { 0.08 } else { 0.0 };
     for (index, (_, color, of)) in STAGES.iter().enumerate() {
@@ -94,34 +85,12 @@ fn one(area: &Area, shown: &[ShownFrame], drag: &BackendDrag, top: f64) -> Chart
 mod tests {
     use super::*;
 
-    fn drag(backend: &'static str) -> BackendDrag {
-        let none = Quantiles::default();
-        BackendDrag {
-            backend,
-            frames: 1,
-            frames_per_second: 1.0,
-            edit_to_decoded_ms: none,
-            stages_ms: LatencyStages { wait: none, render: none, encode: none, send: none, decode: none },
-            release_to_lossless_ms: 0.0,
-            frame_bytes_p50: 0,
-        }
-    }
-
     /// Returns the chart of drags with one frame each, which has only a render of the given milliseconds.
     fn chart_of(drags: &[(&'static str, f64)]) -> String {
-        let frame =
-            |render| ShownFrame { stages: LatencyStages { render, ..LatencyStages::default() }, bytes: 0 };
+        let frame = |render| ShownFrame { stages: LatencyStages { render, ..LatencyStages::default() }, bytes: 0 };
         let shown: Vec<[ShownFrame; 1]> = drags.iter().map(|(_, ms)| [frame(*ms)]).collect();
-        let report = SessionBenchReport {
-            scene: "ball".into(),
-            what: String::new(),
-            width: 64,
-            height: 36,
-            updates: 1,
-            drags: drags.iter().map(|(backend, _)| drag(backend)).collect(),
-            cases: Vec::new(),
-            peers: Vec::new(),
-        };
+        let drags = drags.iter().map(|&(backend, _)| BackendDrag { backend, ..BackendDrag::default() });
+        let report = SessionBenchReport { drags: drags.collect(), ..SessionBenchReport::default() };
         let shown: Vec<&[ShownFrame]> = shown.iter().map(|shown| &shown[..]).collect();
         draw(&shown, &report).expect("drawn")
     }

@@ -38,7 +38,7 @@ pub struct SessionBenchOptions<'a> {
 }
 
 /// Results of the benchmark of a drag over the server.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SessionBenchReport {
     /// `demo:NAME`, or the name of a file without its folder.
@@ -61,7 +61,7 @@ pub struct SessionBenchReport {
 }
 
 /// Measurements of one drag.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BackendDrag {
     /// Backend that drew shadows and lights.
@@ -114,12 +114,7 @@ pub fn run(
     // another process could load the machine, and each drag is the first one of its server.
     for (index, backend) in backends.into_iter().enumerate().rev() {
         step(format!("the drag by {}", backend.name()));
-        let folder = tempfile::tempdir()?;
-        // The server creates the folder, so that no other user can read it.
-        let data = folder.path().join("data");
-        let more = ["--scene", options.scene, "--backend", backend.name()];
-        let server = ServerProcess::start(program, &data, &more)?;
-        server.wait_until_ready()?;
+        let server = ServerProcess::start_with_new_data(program, options.scene, Some(backend))?;
         let made = ensure_bent_light(&server)?;
         let (circle, drag, report) = measure_drag(&server, options, backend)?;
         measured.push((drag, report));
@@ -155,10 +150,10 @@ fn measure_drag(
     backend: Backend,
 ) -> Result<(DragCircle, CircleDrag, BackendDrag), BenchError> {
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
-    open_view(&mut client, [options.width, options.height])?;
+    open_view(&mut client, [options.width, options.height], None)?;
     let circle = DragCircle::of(&client)?;
     let base_seq = client.welcome.seq;
-    let (mut drag, seconds) = drag_in_a_circle(&mut client, options.updates)?;
+    let mut drag = drag_in_a_circle(&mut client, options.updates)?;
     let released = Instant::now();
     let gesture = GESTURE.into();
     client.send(&ClientMessage::GestureCommit { gesture, op_id: "bench-commit".into() })?;
@@ -169,22 +164,15 @@ fn measure_drag(
         _ => None,
     })??;
     let release_to_lossless_ms = ms(released.elapsed());
-    let report = BackendDrag::of(&drag, backend, seconds, release_to_lossless_ms);
+    let report = BackendDrag::of(&drag, backend, release_to_lossless_ms);
     Ok((circle, drag, report))
 }
 
 /// Runs each renderer in turn, and repeats all of them `RUNS` times.
-fn measure_peers(
-    peers: &Peers,
-    p50_ms: f64,
-    step: &mut impl FnMut(String),
-) -> Result<Vec<PeerFrames>, BenchError> {
+fn measure_peers(peers: &Peers, p50_ms: f64, step: &mut impl FnMut(String)) -> Result<Vec<PeerFrames>, BenchError> {
     let mut lines = Vec::new();
     for _ in 0..RUNS {
-        for index in 0..peers.count() {
-            step("peers".into());
-            lines.extend(peers.run(index, FEWEST_FRAMES)?);
-        }
+        lines.extend(peers.run_all(FEWEST_FRAMES, || step("peers".into()))?);
     }
     let frames = |Peer { name, version, wall_ms }| {
         let edit_to_decoded_over_it = p50_ms / wall_ms.p50;
@@ -194,14 +182,12 @@ fn measure_peers(
 }
 
 impl BackendDrag {
-    fn of(drag: &CircleDrag, backend: Backend, seconds: f64, release_to_lossless_ms: f64) -> Self {
-        let stage =
-            |of: fn(&LatencyStages<f64>) -> f64| Quantiles::of(drag.shown.iter().map(|s| of(&s.stages)));
-        let bytes = drag.frame_bytes();
+    fn of(drag: &CircleDrag, backend: Backend, release_to_lossless_ms: f64) -> Self {
+        let stage = |of: fn(&LatencyStages<f64>) -> f64| Quantiles::of(drag.shown.iter().map(|s| of(&s.stages)));
         Self {
             backend: backend.name(),
             frames: drag.shown.len(),
-            frames_per_second: drag.shown.len() as f64 / seconds,
+            frames_per_second: drag.shown.len() as f64 / drag.seconds,
             edit_to_decoded_ms: drag.edit_to_decoded_ms(),
             stages_ms: LatencyStages {
                 wait: stage(|s| s.wait),
@@ -211,7 +197,7 @@ impl BackendDrag {
                 decode: stage(|s| s.decode),
             },
             release_to_lossless_ms,
-            frame_bytes_p50: bytes.get(bytes.len() / 2).copied().unwrap_or(0),
+            frame_bytes_p50: drag.frame_bytes_p50(),
         }
     }
 }

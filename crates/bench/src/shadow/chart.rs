@@ -5,7 +5,7 @@ use render::ShadowSettings;
 
 use super::{SceneReport, ShadowBenchReport, ShadowRun};
 use crate::BenchError;
-use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, RED, VIOLET, range};
+use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, PlotLayout, RED, VIOLET, range};
 
 /// One color per scene, in the order of the scenes.
 const COLORS: [RGBColor; 5] = [BLUE, RED, GREEN, ORANGE, VIOLET];
@@ -69,34 +69,28 @@ pub(super) fn draw(report: &ShadowBenchReport) -> Result<String, BenchError> {
         let slowest_ms = runs.map(milliseconds).fold(0.0, f64::max);
         for (index, area) in panels.iter().enumerate() {
             let (row, column) = (index / MEASURES.len(), index % MEASURES.len());
-            let axes = Axes { end_ms: 1.15 * slowest_ms, errors: ranges[column] };
-            panel(area, report, (&KNOBS[row], &MEASURES[column]), axes, index == 0)?;
+            panel(area, report, &KNOBS[row], &MEASURES[column], 1.15 * slowest_ms, ranges[column], index == 0)?;
         }
         Ok(())
     })
 }
 
-/// Ranges of a panel's axes.
-#[derive(Clone, Copy)]
-struct Axes {
-    end_ms: f64,
-    errors: (f64, f64),
-}
-
 fn panel(
     area: &Area,
     report: &ShadowBenchReport,
-    (knob, measure): (&Knob, &Measure),
-    Axes { end_ms, errors }: Axes,
+    knob: &Knob,
+    measure: &Measure,
+    end_ms: f64,
+    errors: (f64, f64),
     key: bool,
 ) -> ChartResult {
     let points: Vec<Vec<_>> = report.scenes.iter().map(|scene| points(scene, knob, measure)).collect();
-    let mut plot = ChartBuilder::on(area)
-        .caption(knob.title, ("sans-serif", 15))
-        .margin(10)
-        .x_label_area_size(36)
-        .y_label_area_size(76)
-        .build_cartesian_2d(0.0..end_ms, (errors.0..errors.1).log_scale())?;
+    let mut plot = PlotLayout { caption: 15, margin: 10, below: 36, left: 76 }.plot(
+        area,
+        knob.title,
+        0.0..end_ms,
+        (errors.0..errors.1).log_scale(),
+    )?;
     plot.configure_mesh()
         .x_desc("shadow map and lighting, ms")
         .y_desc(measure.title)
@@ -141,13 +135,9 @@ fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64,
             .then((a.settings.filter as u8).cmp(&(b.settings.filter as u8)))
             .then(b.mesh_error.total_cmp(&a.mesh_error))
     });
-    turned
-        .into_iter()
-        .map(|run| {
-            // An edge that was not found at all is drawn at the end of the window.
-            (milliseconds(run), (measure.of)(run).clamp(1e-6, 6.0), (knob.label)(run))
-        })
-        .collect()
+    // An edge that was not found at all is drawn at the end of the window.
+    let point = |run| (milliseconds(run), (measure.of)(run).clamp(1e-6, 6.0), (knob.label)(run));
+    turned.into_iter().map(point).collect()
 }
 
 /// Returns the milliseconds of the stages that the settings affect.

@@ -17,8 +17,7 @@ use crate::{BenchError, Progress};
 /// Texels per side of a map.
 const RESOLUTIONS: [u32; 5] = [256, 512, 1024, 2048, 4096];
 /// Allowed errors of a bent edge in texels; the last one splits no edges.
-const EDGE_ERRORS: [Option<f32>; 7] =
-    [Some(4.0), Some(2.0), Some(1.0), Some(0.4), Some(0.2), Some(0.1), None];
+const EDGE_ERRORS: [Option<f32>; 7] = [Some(4.0), Some(2.0), Some(1.0), Some(0.4), Some(0.2), Some(0.1), None];
 /// Allowed distances of simplified casters from the surface, as shares of the diagonal of the scene's bounds.
 const MESH_ERRORS: [f64; 4] = [0.0, 1e-4, 1e-3, 1e-2];
 /// Number of timings of each picture. The fastest counts, since only other work makes one slower.
@@ -33,17 +32,6 @@ const SHADOW: [FrameStage; 6] = [
     FrameStage::Draw,
     FrameStage::Counts,
 ];
-
-/// Options of the benchmark of bent shadows.
-#[derive(Clone, Copy, Debug)]
-pub struct ShadowBenchOptions<'a> {
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Existing folder for a picture of each run's differences.
-    pub pictures: Option<&'a Path>,
-}
 
 /// Results of the benchmark of bent shadows.
 #[derive(Clone, Debug, Serialize)]
@@ -121,34 +109,26 @@ fn all_settings(diagonal: f64) -> Vec<ShadowSettings> {
     unique
 }
 
-/// Renders every scene once with the reference and with all settings on the GPU. Returns the report and the chart in
-/// SVG.
+/// Renders every scene in `width` x `height` pixels, once with the reference and with all settings on the GPU. Saves a
+/// picture of each run's differences in the existing folder `pictures`. Returns the report and the chart in SVG.
 pub fn run(
     gpu: &Arc<Gpu>,
-    options: ShadowBenchOptions,
+    [width, height]: [u32; 2],
+    pictures: Option<&Path>,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<(ShadowBenchReport, String), BenchError> {
     let mut renderer = Renderer::new(Arc::clone(gpu))?;
-    let subjects = scenes::subjects(options.width, options.height);
+    let subjects = scenes::subjects(width, height);
     // Every scene has the same number of runs; the reference's picture is one step more.
     let steps = all_settings(1.0).len() + 1;
     let mut scenes = Vec::with_capacity(subjects.len());
     for (index, subject) in subjects.iter().enumerate() {
         let step = |done: usize| {
-            progress(Progress {
-                done: index * steps + done,
-                of: subjects.len() * steps,
-                what: subject.name.clone(),
-            });
+            progress(Progress { done: index * steps + done, of: subjects.len() * steps, what: subject.name.clone() });
         };
-        scenes.push(run_scene(&mut renderer, subject, options.pictures, step)?);
+        scenes.push(run_scene(&mut renderer, subject, pictures, step)?);
     }
-    let report = ShadowBenchReport {
-        adapter: gpu.adapter_name().into(),
-        width: options.width,
-        height: options.height,
-        scenes,
-    };
+    let report = ShadowBenchReport { adapter: gpu.adapter_name().into(), width, height, scenes };
     let chart = chart::draw(&report)?;
     Ok((report, chart))
 }
@@ -196,8 +176,7 @@ fn time(renderer: &mut Renderer, subject: &ComparisonSubject) -> Result<ShadowCo
     };
     let recordings = (0..TIMINGS).map(|_| record()).collect::<Result<Vec<_>, _>>()?;
     let fastest = |stages: &[FrameStage]| {
-        let sum =
-            |recording: &Recording| stages.iter().map(|stage| recording.cost(*stage).wall_ms).sum::<f64>();
+        let sum = |recording: &Recording| stages.iter().map(|stage| recording.cost(*stage).wall_ms).sum::<f64>();
         recordings.iter().map(sum).fold(f64::INFINITY, f64::min)
     };
     Ok(ShadowCosts {

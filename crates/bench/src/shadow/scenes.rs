@@ -1,17 +1,17 @@
 //! Scenes that are difficult for bent shadow maps, each in a different way.
 
-use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
+use glam::{DAffine3, DQuat, DVec3};
 use light::Light;
 use light::parameters::TRANSLATION;
-use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
+use scene::{Material, Scene, View};
 
 use crate::compare::ComparisonSubject;
-use crate::solids::{ball, block};
+use crate::solids::{GREY, PlacedPrimitive, ball, block, camera, scene_of, square};
 
 /// Makes all subjects, `width` x `height` pixels.
 pub(crate) fn subjects(width: u32, height: u32) -> Vec<ComparisonSubject> {
     let view = view(width, height);
-    let subject = |name, parts, light| ComparisonSubject::new(name, scene_of(parts), light, view.clone());
+    let subject = |name, parts, light| ComparisonSubject::new(name, grey_scene(parts), light, view.clone());
     vec![
         subject("straight", still_life(), straight()),
         subject("bent", still_life(), bent()),
@@ -23,15 +23,7 @@ pub(crate) fn subjects(width: u32, height: u32) -> Vec<ComparisonSubject> {
 
 /// Returns the view from above, so that the floor shows the whole shadow.
 pub(crate) fn view(width: u32, height: u32) -> View {
-    let (eye, target) = (DVec3::new(0.6, 6.2, 5.2), DVec3::new(0.6, 0.4, 0.2));
-    let back = (eye - target).normalize();
-    let right = DVec3::Y.cross(back).normalize();
-    let camera = Camera {
-        name: "above".into(),
-        translation: eye,
-        rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
-        projection: Projection::Perspective { yfov: 0.4, aspect_ratio: None, znear: 0.1, zfar: None },
-    };
+    let camera = camera(DVec3::new(0.6, 6.2, 5.2), DVec3::new(0.6, 0.4, 0.2), 0.4, 0.1);
     View::beauty(camera, [width, height])
 }
 
@@ -67,9 +59,6 @@ fn tapered() -> Light {
     )
 }
 
-/// A mesh and its placement.
-pub(crate) struct PlacedPrimitive(pub Primitive, pub DAffine3);
-
 pub(crate) fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
     let (scale, at) = (DVec3::from_array(scale), DVec3::from_array(at));
     DAffine3::from_scale_rotation_translation(scale, DQuat::from_rotation_y(turn), at)
@@ -77,14 +66,9 @@ pub(crate) fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
 
 /// Returns a floor of two large triangles.
 pub(crate) fn floor() -> PlacedPrimitive {
-    let corners = [[-6.0, 6.0], [6.0, 6.0], [6.0, -6.0], [-6.0, -6.0]];
-    let primitive = Primitive {
-        positions: corners.map(|[x, z]| Vec3::new(x, 0.0, z)).to_vec(),
-        normals: vec![Vec3::Y; 4],
-        indices: vec![0, 1, 2, 0, 2, 3],
-        ..Primitive::default()
-    };
-    PlacedPrimitive(primitive, DAffine3::IDENTITY)
+    let mut floor = square();
+    floor.positions.iter_mut().for_each(|corner| *corner *= 6.0);
+    PlacedPrimitive(floor, DAffine3::IDENTITY)
 }
 
 /// Returns balls and boxes on the floor and above it.
@@ -120,12 +104,7 @@ fn leaves() -> Vec<PlacedPrimitive> {
     std::iter::once(floor()).chain((0..1500).map(leaf)).collect()
 }
 
-pub(crate) fn scene_of(parts: Vec<PlacedPrimitive>) -> Scene {
-    let material = Material { base_color: Vec4::new(0.7, 0.7, 0.7, 1.0), ..Material::default() };
-    let mut scene = Scene { materials: vec![material], ..Scene::default() };
-    for (mesh, PlacedPrimitive(primitive, parent_from_local)) in parts.into_iter().enumerate() {
-        scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
-        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
-    }
-    scene
+/// Makes a grey scene.
+pub(crate) fn grey_scene(parts: impl IntoIterator<Item = PlacedPrimitive>) -> Scene {
+    scene_of(Material { base_color: GREY, ..Material::default() }, parts)
 }

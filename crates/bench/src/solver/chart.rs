@@ -6,10 +6,9 @@ use super::family::FAMILIES;
 use super::report::{MeasuredMethod, SolverBenchReport};
 use super::width::Precision;
 use crate::BenchError;
-use crate::chart::{self, BLUE, ChartResult, ORANGE, range};
+use crate::chart::{self, BLUE, ChartResult, ORANGE, PlotLayout, range};
 
-const WIDTHS: [(Precision, RGBColor, &str); 2] =
-    [(Precision::F32, BLUE, "f32"), (Precision::F64, ORANGE, "f64")];
+const WIDTHS: [(Precision, RGBColor, &str); 2] = [(Precision::F32, BLUE, "f32"), (Precision::F64, ORANGE, "f64")];
 /// Height of a label and width of a letter, in pixels.
 const LINE: i32 = 15;
 const LETTER: i32 = 7;
@@ -24,17 +23,13 @@ pub(super) fn draw(report: &SolverBenchReport) -> Result<String, BenchError> {
         let (fastest, slowest) = range(methods.iter().map(|m| m.nanoseconds));
         let (least, most) = range(methods.iter().map(MeasuredMethod::error));
         let cases = report.inputs_per_family * FAMILIES.len() as u64;
-        let caption =
-            format!("Where is the curve square to a point? {cases} points, {} kinds", FAMILIES.len());
-        let mut plot = ChartBuilder::on(area)
-            .caption(caption, ("sans-serif", 20))
-            .margin(14)
-            .x_label_area_size(44)
-            .y_label_area_size(84)
-            .build_cartesian_2d(
-                (fastest * 0.85..slowest * 1.9).log_scale(),
-                (least / 8.0..most * 8.0).log_scale(),
-            )?;
+        let caption = format!("Where is the curve square to a point? {cases} points, {} kinds", FAMILIES.len());
+        let mut plot = PlotLayout { caption: 20, margin: 14, below: 44, left: 84 }.plot(
+            area,
+            &caption,
+            (fastest * 0.85..slowest * 1.9).log_scale(),
+            (least / 8.0..most * 8.0).log_scale(),
+        )?;
         plot.configure_mesh()
             .x_desc("run time: nanoseconds a solve on one core, mean over the kinds")
             .y_desc("error in u, divided by the condition: p99.9")
@@ -44,24 +39,20 @@ pub(super) fn draw(report: &SolverBenchReport) -> Result<String, BenchError> {
         for (precision, color, name) in WIDTHS {
             let of_width: Vec<_> = methods.iter().filter(|m| m.precision == precision).collect();
             let line = plot.draw_series(LineSeries::new(front(&of_width, slowest * 1.9), color.mix(0.5)))?;
-            line.label(format!("{name}, and what is fastest for its error"))
-                .legend(chart::dot(color.filled()));
+            line.label(format!("{name}, and what is fastest for its error")).legend(chart::dot(color.filled()));
         }
         let hollow = WIDTHS[0].1.stroke_width(2);
-        plot.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
-            .label("hollow: some roots missed, made up, over the bars or no number")
-            .legend(chart::dot(hollow));
+        let failing = "hollow: some roots missed, made up, over the bars or no number";
+        chart::note(&mut plot, failing, chart::dot(hollow))?;
         draw_markers(&mut plot, methods)?;
         draw_labels(&mut plot, methods)?;
-        chart::key(&mut plot, SeriesLabelPosition::MiddleLeft)?;
-        Ok(())
+        chart::key(&mut plot, SeriesLabelPosition::MiddleLeft)
     })
 }
 
 /// Returns the steps of the fastest method for each error, up to the time `end`.
 fn front(methods: &[&MeasuredMethod], end: f64) -> Vec<(f64, f64)> {
-    let mut best: Vec<_> =
-        methods.iter().filter(|m| m.on_pareto_front).map(|m| (m.nanoseconds, m.error())).collect();
+    let mut best: Vec<_> = methods.iter().filter(|m| m.on_pareto_front).map(|m| (m.nanoseconds, m.error())).collect();
     best.sort_by(|x, y| x.0.total_cmp(&y.0));
     let until = best.iter().skip(1).map(|next| next.0).chain([end]);
     best.iter().zip(until).flat_map(|(&(from, error), until)| [(from, error), (until, error)]).collect()
@@ -78,8 +69,7 @@ fn draw_markers(plot: &mut Plot<'_, '_>, methods: &[MeasuredMethod]) -> ChartRes
 
 /// Draws the name of each marker beside it, moved down if it would overlap another, with a line to its marker.
 fn draw_labels(plot: &mut Plot<'_, '_>, methods: &[MeasuredMethod]) -> ChartResult {
-    let mut markers: Vec<_> =
-        methods.iter().map(|m| (plot.backend_coord(&(m.nanoseconds, m.error())), m)).collect();
+    let mut markers: Vec<_> = methods.iter().map(|m| (plot.backend_coord(&(m.nanoseconds, m.error())), m)).collect();
     markers.sort_by_key(|((_, y), _)| *y);
     let area = plot.plotting_area().strip_coord_spec();
     let (left, top) = area.get_base_pixel();
@@ -92,9 +82,8 @@ fn draw_labels(plot: &mut Plot<'_, '_>, methods: &[MeasuredMethod]) -> ChartResu
         let end = |label: (i32, i32)| label.0 + name.chars().map(|_| LETTER).sum::<i32>();
         let hides = |label: (i32, i32)| {
             let on = |at: &(i32, i32)| (label.0 - 6..end(label) + 6).contains(&at.0);
-            let beside = |other: &(i32, i32, i32)| {
-                (other.2 - label.1).abs() < LINE && other.0 < end(label) && label.0 < other.1
-            };
+            let beside =
+                |other: &(i32, i32, i32)| (other.2 - label.1).abs() < LINE && other.0 < end(label) && label.0 < other.1;
             positions.iter().any(|at| on(at) && (at.1 - label.1 - 7).abs() < 12) || taken.iter().any(beside)
         };
         while hides(label) {

@@ -51,11 +51,7 @@ impl<F: Float> Depressed<F> {
     fn of(cubic: &Cubic<F>) -> Self {
         let [two, three, nine, twenty_seven] = [2.0, 3.0, 9.0, 27.0].map(number::<F>);
         let [a, b, c] = [cubic.c2, cubic.c1, cubic.c0].map(|c| c / cubic.c3);
-        Self {
-            shift: a / three,
-            p: b - a * a / three,
-            q: c + (two * a * a * a - nine * a * b) / twenty_seven,
-        }
+        Self { shift: a / three, p: b - a * a / three, q: c + (two * a * a * a - nine * a * b) / twenty_seven }
     }
 }
 

@@ -29,17 +29,11 @@ impl<F: FloatWidth> Cubic<F> {
 
     /// Selects the roots that a solver should report: those on the segment at which the distance has a minimum. Keeps
     /// NaN.
-    pub fn wanted(&self, roots: impl IntoIterator<Item = F>) -> FoundRoots<F> {
+    pub fn minima_on_segment(&self, roots: impl IntoIterator<Item = F>) -> FoundRoots<F> {
         let slack = F::of(F::END_SLACK);
         let outside = |u: F| u < -slack || u > F::one() + slack;
-        let mut found = FoundRoots::none();
-        for u in roots {
-            let is_maximum = self.slope(u) < F::zero();
-            if !outside(u) && !is_maximum {
-                found.push(clamp01(u));
-            }
-        }
-        found
+        let is_maximum = |u: F| self.slope(u) < F::zero();
+        roots.into_iter().filter(|&u| !outside(u) && !is_maximum(u)).map(clamp01).collect()
     }
 }
 

@@ -87,75 +87,54 @@ impl Family {
     pub fn case(self, index: u64) -> SolverCase<f64> {
         let rng = &mut Rng::with_seed((self as u64 + 1) << 48 | index);
         let strength = (index % 10) as f64;
-        match self {
-            Self::Ordinary => {
-                let curve = bent(rng, 1.0);
-                let q = if rng.bool() { in_tube(rng, &curve, 0.9) } else { around(rng, &curve, 1.0) };
-                SolverCase { curve, q }
+        if let Self::FarOffset | Self::Scaled = self {
+            let SolverCase { curve, q } = Self::Ordinary.case(index);
+            if self == Self::FarOffset {
+                let offset = direction(rng) * magnitude(rng, 3.0, 6.0);
+                return SolverCase { curve: curve_of(curve.b0 + offset, curve.d0, curve.d1), q: q + offset };
             }
-            Self::NearlyStraight => {
-                let curve = bent(rng, libm::exp10(-1.0 - strength));
-                let q = in_tube(rng, &curve, 0.9);
-                SolverCase { curve, q }
-            }
+            let scale = magnitude(rng, -4.0, 4.0);
+            let [b0, d0, d1] = [curve.b0, curve.d0, curve.d1].map(|vector| vector * scale);
+            return SolverCase { curve: curve_of(b0, d0, d1), q: q * scale };
+        }
+        let curve = match self {
+            Self::NearlyStraight => bent(rng, libm::exp10(-1.0 - strength)),
             Self::Straight => {
                 let (b0, d0) = (cube(rng), direction(rng));
                 let speed = if rng.bool() { 1.0 } else { uniform(rng, 0.2, 5.0) };
-                let curve = curve_of(b0, d0, d0 * speed);
-                let q = if rng.bool() { in_tube(rng, &curve, 0.9) } else { around(rng, &curve, 1.0) };
-                SolverCase { curve, q }
+                curve_of(b0, d0, d0 * speed)
             }
-            Self::Uneven => {
-                let mut curve = bent(rng, 1.0);
-                let ratio = magnitude(rng, -4.0, -1.0);
-                curve = if rng.bool() {
-                    curve_of(curve.b0, curve.d0 * ratio, curve.d1)
-                } else {
-                    curve_of(curve.b0, curve.d0, curve.d1 * ratio)
+            Self::Uneven | Self::Cusp | Self::Coincident => {
+                let curve = bent(rng, 1.0);
+                let ratio = match self {
+                    Self::Uneven => magnitude(rng, -4.0, -1.0),
+                    Self::Cusp => libm::exp10(-2.0 - strength % 6.0),
+                    _ => 0.0,
                 };
-                let q = around(rng, &curve, 1.0);
-                SolverCase { curve, q }
+                with_end_speed(rng, &curve, ratio)
             }
             Self::Hairpin => {
                 let (b0, d0) = (cube(rng), direction(rng));
                 let width = magnitude(rng, -3.0, -0.5);
-                let curve = curve_of(b0, d0, d0 * -uniform(rng, 0.5, 2.0) + direction(rng) * width);
-                let q = near_slowest(rng, &curve);
-                SolverCase { curve, q }
+                curve_of(b0, d0, d0 * -uniform(rng, 0.5, 2.0) + direction(rng) * width)
             }
-            Self::Cusp => end_speed(rng, libm::exp10(-2.0 - strength % 6.0)),
-            Self::Coincident => end_speed(rng, 0.0),
-            Self::FarOffset => {
-                let SolverCase { curve, q } = Self::Ordinary.case(index);
-                let offset = direction(rng) * magnitude(rng, 3.0, 6.0);
-                SolverCase { curve: curve_of(curve.b0 + offset, curve.d0, curve.d1), q: q + offset }
+            Self::Anywhere => {
+                let (c0, c1, c2) = (cube(rng), cube(rng), cube(rng));
+                curve_of(c0, c1 - c0, c2 - c1)
             }
-            Self::Scaled => {
-                let SolverCase { curve, q } = Self::Ordinary.case(index);
-                let scale = magnitude(rng, -4.0, 4.0);
-                SolverCase {
-                    curve: curve_of(curve.b0 * scale, curve.d0 * scale, curve.d1 * scale),
-                    q: q * scale,
-                }
-            }
-            Self::OnCurve => {
-                let curve = bent(rng, 1.0);
-                let q = curve.position(rng.f64());
-                SolverCase { curve, q }
-            }
+            _ => bent(rng, 1.0),
+        };
+        let q = match self {
+            Self::NearlyStraight => in_tube(rng, &curve, 0.9),
+            Self::Uneven => around(rng, &curve, 1.0),
+            Self::Hairpin | Self::Cusp | Self::Coincident => near_slowest(rng, &curve),
+            Self::OnCurve => curve.position(rng.f64()),
             Self::Boundary => {
-                let curve = bent(rng, 1.0);
                 let u = rng.f64();
-                let q = curve.position(u) + across(rng, &curve, u) * (0.9 * narrowest(&curve));
-                SolverCase { curve, q }
+                curve.position(u) + across(rng, &curve, u) * (0.9 * narrowest(&curve))
             }
-            Self::FarPoint => {
-                let curve = bent(rng, 1.0);
-                let q = curve.b0 + direction(rng) * magnitude(rng, 1.0, 4.0);
-                SolverCase { curve, q }
-            }
+            Self::FarPoint => curve.b0 + direction(rng) * magnitude(rng, 1.0, 4.0),
             Self::NearEvolute => {
-                let curve = bent(rng, 1.0);
                 let u = rng.f64();
                 let (d, a) = (curve.d(u), curve.a);
                 // P'' across P' points to the center of curvature, |d|^2 / (2 a_across) away, with |P'|^2 = 4 |d|^2.
@@ -163,37 +142,31 @@ impl Family {
                 let sign = if rng.bool() { 1.0 } else { -1.0 };
                 let short = 1.0 - sign * magnitude(rng, -7.0, -1.0);
                 let to_center = a_across * (2.0 * d.length_squared() / a_across.length_squared());
-                let q = curve.position(u)
-                    + to_center * short
-                    + d.cross(a).normalize_or_zero() * uniform(rng, -1.0, 1.0);
-                SolverCase { curve, q }
+                curve.position(u) + to_center * short + d.cross(a).normalize_or_zero() * uniform(rng, -1.0, 1.0)
             }
             Self::AtEnd => {
-                let curve = bent(rng, 1.0);
                 let u = f64::from(rng.bool());
                 let q = curve.position(u) + across(rng, &curve, u) * (rng.f64() * narrowest(&curve));
-                let past =
-                    if rng.bool() { 0.0 } else { uniform(rng, -1.0, 1.0) * magnitude(rng, -9.0, -5.0) };
-                SolverCase { q: q + curve.d(u) * past, curve }
+                let past = if rng.bool() { 0.0 } else { uniform(rng, -1.0, 1.0) * magnitude(rng, -9.0, -5.0) };
+                q + curve.d(u) * past
             }
-            Self::Anywhere => {
-                let (c0, c1, c2) = (cube(rng), cube(rng), cube(rng));
-                SolverCase { curve: curve_of(c0, c1 - c0, c2 - c1), q: cube(rng) * 2.0 }
+            Self::Anywhere => cube(rng) * 2.0,
+            Self::Ordinary | Self::Straight | Self::FarOffset | Self::Scaled => {
+                if rng.bool() {
+                    in_tube(rng, &curve, 0.9)
+                } else {
+                    around(rng, &curve, 1.0)
+                }
             }
-        }
+        };
+        SolverCase { curve, q }
     }
 }
 
-/// Makes a curve with one end tangent `ratio` times as long as the other.
-fn end_speed(rng: &mut Rng, ratio: f64) -> SolverCase<f64> {
-    let curve = bent(rng, 1.0);
-    let curve = if rng.bool() {
-        curve_of(curve.b0, curve.d0 * ratio, curve.d1)
-    } else {
-        curve_of(curve.b0, curve.d0, curve.d1 * ratio)
-    };
-    let q = near_slowest(rng, &curve);
-    SolverCase { curve, q }
+/// Makes one end tangent of a curve `ratio` times as long.
+fn with_end_speed(rng: &mut Rng, curve: &Curve<f64>, ratio: f64) -> Curve<f64> {
+    let [start, end] = if rng.bool() { [ratio, 1.0] } else { [1.0, ratio] };
+    curve_of(curve.b0, curve.d0 * start, curve.d1 * end)
 }
 
 /// Returns a random number from `10^low` to `10^high`, log-uniform.

@@ -10,25 +10,19 @@ pub struct FoundRoots<F> {
 }
 
 impl<F: FloatWidth> FoundRoots<F> {
-    pub fn none() -> Self {
-        Self { roots: [F::zero(); 3], count: 0 }
-    }
-
-    /// Adds a parameter; at most three.
-    pub fn push(&mut self, u: F) {
-        self.roots[self.count] = u;
-        self.count += 1;
-    }
-
     pub fn roots(&self) -> &[F] {
         &self.roots[..self.count]
     }
 }
 
-impl<F: FloatWidth> Extend<F> for FoundRoots<F> {
-    fn extend<T: IntoIterator<Item = F>>(&mut self, roots: T) {
+impl<F: FloatWidth> FromIterator<F> for FoundRoots<F> {
+    /// Collects at most three parameters.
+    fn from_iter<T: IntoIterator<Item = F>>(roots: T) -> Self {
+        let mut found = Self { roots: [F::zero(); 3], count: 0 };
         for u in roots {
-            self.push(u);
+            found.roots[found.count] = u;
+            found.count += 1;
         }
+        found
     }
 }

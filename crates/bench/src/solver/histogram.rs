@@ -1,5 +1,7 @@
 //! Quantiles of any number of values in constant memory.
 
+use serde::{Serialize, Serializer};
+
 use crate::Quantiles;
 
 /// Values per doubling: bins are 4 % wide.
@@ -39,7 +41,7 @@ impl Histogram {
     }
 
     /// Returns the value that a `share` of all values does not exceed, at most 4 % too large; 0 if there are none.
-    fn quantile(&self, share: f64) -> f64 {
+    pub fn quantile(&self, share: f64) -> f64 {
         let wanted = (share * self.count as f64).ceil() as u64;
         let mut seen = 0;
         for (bin, count) in self.bins.iter().enumerate() {
@@ -55,6 +57,13 @@ impl Histogram {
     /// Returns the quantiles of all values, at most 4 % too large.
     pub fn quantiles(&self) -> Quantiles {
         Quantiles::from_shares(self.count, |share| self.quantile(share))
+    }
+}
+
+impl Serialize for Histogram {
+    /// Serializes the quantiles.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.quantiles().serialize(serializer)
     }
 }
 

@@ -12,14 +12,15 @@ use super::width::{FloatWidth, Precision};
 const SAME_ROOT_DISTANCE: f64 = 1.0 / 64.0;
 
 /// Counts and errors of the answers to some cases.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, serde::Serialize)]
+#[serde(rename_all = "camelCase")]
 pub struct AnswerTally {
     /// Number of cases.
     pub inputs: u64,
     /// Errors in u of the true roots on the segment that were found.
-    pub error: Histogram,
+    pub error_u: Histogram,
     /// Errors of the found roots in units of `eps cond`, for the cases in which the light model bounds the error of u:
-    /// see [`ErrorBounds::is_well_conditioned`].
+    /// see `ErrorBounds::is_well_conditioned`.
     pub error_eps_cond: Histogram,
     /// Number of true roots on the segment that were not found.
     pub missed: u64,
@@ -60,7 +61,7 @@ impl AnswerTally {
     /// Adds another tally.
     pub fn add(&mut self, other: &Self) {
         self.inputs += other.inputs;
-        self.error.add(&other.error);
+        self.error_u.add(&other.error_u);
         self.error_eps_cond.add(&other.error_eps_cond);
         self.missed += other.missed;
         self.spurious += other.spurious;
@@ -70,13 +71,7 @@ impl AnswerTally {
     }
 
     /// Judges the answer to one case and counts it.
-    pub fn count<F: FloatWidth>(
-        &mut self,
-        family: Family,
-        index: u64,
-        bars: &ErrorBounds<F>,
-        found: &FoundRoots<F>,
-    ) {
+    pub fn count<F: FloatWidth>(&mut self, family: Family, index: u64, bars: &ErrorBounds<F>, found: &FoundRoots<F>) {
         let before = self.wrong() + self.nan;
         self.inputs += 1;
         let reported = found.roots();
@@ -97,7 +92,7 @@ impl AnswerTally {
 
     fn measure<F: FloatWidth>(&mut self, bars: &ErrorBounds<F>, root: &TrueRoot, u: f64) {
         let (error, eps_cond) = (root.error(u), F::PRECISION.eps() * bars.cond(root.u.hi()));
-        self.error.record(error);
+        self.error_u.record(error);
         if bars.is_well_conditioned {
             self.error_eps_cond.record(error / eps_cond);
         }
@@ -187,8 +182,7 @@ impl<F: FloatWidth> ErrorBounds<F> {
     /// True if a true root of the segment lies at `u`, up to rounding.
     fn is_root(&self, u: f64) -> bool {
         let near = self.truth.roots.iter().flatten().any(|root| root.error(u) <= SAME_ROOT_DISTANCE);
-        let rising =
-            || self.truth.slope(u) >= 0.0 || self.truth.extrema.iter().any(|&turn| self.is_double(turn));
+        let rising = || self.truth.slope(u) >= 0.0 || self.truth.extrema.iter().any(|&turn| self.is_double(turn));
         near || (self.is_within_backward(u) && rising())
     }
 

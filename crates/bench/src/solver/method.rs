@@ -69,9 +69,7 @@ impl Method {
 fn ours<F: FloatWidth>(curve: &Curve<F>, q: F::Vec3) -> FoundRoots<F> {
     let f0 = -F::dot(q - curve.b0, curve.d0);
     let f1 = -F::dot(q - curve.b2, curve.d1);
-    let mut found = FoundRoots::none();
-    found.extend(light::increasing_roots(curve, q, f0, f1).found());
-    found
+    light::increasing_roots(curve, q, f0, f1).found().collect()
 }
 
 /// Applies the method to the cubic of a curve and a point. Inlined, so that each method compiles to one piece of code.
@@ -82,5 +80,5 @@ fn from_cubic<F: FloatWidth>(
     roots: impl FnOnce(&Cubic<F>) -> RealRoots<F>,
 ) -> FoundRoots<F> {
     let cubic = Cubic::of(curve, q);
-    cubic.wanted(roots(&cubic).into_iter().flatten())
+    cubic.minima_on_segment(roots(&cubic).into_iter().flatten())
 }

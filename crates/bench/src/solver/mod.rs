@@ -25,9 +25,10 @@ mod truth;
 mod width;
 
 pub use family::{FAMILIES, Family};
-pub use judge::WrongCase;
+pub use histogram::Histogram;
+pub use judge::{AnswerTally, WrongCase};
 pub use method::{METHODS, Method};
-pub use report::{Accuracy, FamilyAccuracy, MeasuredMethod, SolverBenchReport, SolverVerdict, Throughput};
+pub use report::{FamilyAccuracy, MeasuredMethod, SolverBenchReport, SolverVerdict, Throughput};
 pub use width::Precision;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -40,7 +41,7 @@ use render::Gpu;
 
 use self::family::SolverCase;
 use self::found::FoundRoots;
-use self::judge::{AnswerTally, ErrorBounds};
+use self::judge::ErrorBounds;
 use self::timing::nanoseconds;
 use self::width::FloatWidth;
 use crate::{BenchError, Progress};
@@ -56,52 +57,40 @@ const MAX_BULK_CASES: u64 = 60_000;
 /// Number of dispatches over which the GPU's run time is measured.
 const DISPATCHES: u32 = 8;
 
-/// Options of the comparison.
-#[derive(Clone, Debug)]
-pub struct SolverBenchOptions {
-    /// Cases of each family.
-    pub inputs_per_family: u64,
-    /// Methods to compare; the product's own is always included.
-    pub methods: Vec<Method>,
-}
-
-/// Judges and times the methods. Returns the report and the chart in SVG.
+/// Judges and times `methods`, and the product's own, over `inputs_per_family` cases of each family. Returns the report
+/// and the chart in SVG.
 ///
 /// Cases are generated on demand and every thread keeps only counts, so their number is not limited by memory. If `gpu`
 /// is `None`, the GPU is left out.
 pub fn run(
-    options: &SolverBenchOptions,
+    inputs_per_family: u64,
+    methods: &[Method],
     gpu: Option<&Gpu>,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<(SolverBenchReport, String), BenchError> {
     let mut contestants = vec![Method::Ours];
-    contestants.extend(options.methods.iter().filter(|&&m| m != Method::Ours));
+    contestants.extend(methods.iter().filter(|&&m| m != Method::Ours));
     // All methods in f32, followed by all in f64.
     let mut times = times_in::<f32>(&contestants);
     times.extend(times_in::<f64>(&contestants));
-    let of = options.inputs_per_family as usize * FAMILIES.len();
+    let of = inputs_per_family as usize * FAMILIES.len();
     let done = AtomicUsize::new(0);
     let judged = |count: u64| {
         let done = done.fetch_add(count as usize, Ordering::Relaxed) + count as usize;
         progress(Progress { done, of, what: String::new() });
     };
-    let tallies = FAMILIES.map(|family| judge(family, options.inputs_per_family, &contestants, &judged));
+    let tallies = FAMILIES.map(|family| judge(family, inputs_per_family, &contestants, &judged));
 
     let measured = times.iter().enumerate().map(|(row, times)| {
         let precision = if row < contestants.len() { Precision::F32 } else { Precision::F64 };
-        MeasuredMethod::new(
-            contestants[row % contestants.len()],
-            precision,
-            times,
-            tallies.each_ref().map(|t| &t[row]),
-        )
+        MeasuredMethod::new(contestants[row % contestants.len()], precision, times, tallies.each_ref().map(|t| &t[row]))
     });
     let mut methods: Vec<_> = measured.collect();
     MeasuredMethod::find_front(&mut methods);
     let ours = tallies.iter().flat_map(|of_family| [&of_family[0], &of_family[contestants.len()]]);
-    let in_bulk = options.inputs_per_family.min(MAX_BULK_CASES);
+    let in_bulk = inputs_per_family.min(MAX_BULK_CASES);
     let report = SolverBenchReport {
-        inputs_per_family: options.inputs_per_family,
+        inputs_per_family,
         ours: SolverVerdict::of(&AnswerTally::sum(ours)),
         methods,
         sixteen_wide: sixteen_wide(in_bulk),
@@ -122,12 +111,7 @@ fn times_in<F: FloatWidth>(methods: &[Method]) -> Vec<[f64; FAMILIES.len()]> {
 }
 
 /// Judges each method's answers to a family, in f32 and then in f64.
-fn judge(
-    family: Family,
-    inputs: u64,
-    methods: &[Method],
-    judged: &(impl Fn(u64) + Sync),
-) -> Vec<AnswerTally> {
+fn judge(family: Family, inputs: u64, methods: &[Method], judged: &(impl Fn(u64) + Sync)) -> Vec<AnswerTally> {
     let none = || vec![AnswerTally::default(); 2 * methods.len()];
     let chunk = |chunk: u64| {
         let indices = chunk * CHUNK..inputs.min((chunk + 1) * CHUNK);
@@ -162,7 +146,7 @@ fn judge_in<F: FloatWidth>(
     }
 }
 
-/// Solves sixteen cases at once, over the first `inputs` cases of each family.
+/// Measures the native backend's solver, sixteen cases at once, over the first `inputs` cases of each family of inputs.
 fn sixteen_wide(inputs: u64) -> Throughput {
     let all = |family: Family, inputs: u64| {
         (0..inputs).step_by(SIXTEEN).map(move |first| (first, SolverBatch::new(&sixteen(family, first))))
@@ -171,9 +155,7 @@ fn sixteen_wide(inputs: u64) -> Throughput {
     for family in FAMILIES {
         for (first, cases) in all(family, inputs) {
             for (index, roots) in (first..inputs).zip(solve_batch(&cases)) {
-                let mut found = FoundRoots::none();
-                found.extend(roots.found());
-                tally.count(family, index, &ErrorBounds::<f32>::new(family, &family.case(index)), &found);
+                count_roots(&mut tally, family, index, roots.found().collect());
             }
         }
     }
@@ -188,7 +170,12 @@ fn sixteen_wide(inputs: u64) -> Throughput {
     }
 }
 
-/// Returns the cases of a family from `first` on.
+/// Judges the roots of one case in f32, and counts them.
+fn count_roots(tally: &mut AnswerTally, family: Family, index: u64, found: FoundRoots<f32>) {
+    tally.count(family, index, &ErrorBounds::<f32>::new(family, &family.case(index)), &found);
+}
+
+/// Returns sixteen cases of a family, from number `first` on.
 fn sixteen(family: Family, first: u64) -> [(Curve<f32>, Vec3); SIXTEEN] {
     std::array::from_fn(|lane| {
         let case: SolverCase<f32> = family.case(first + lane as u64).rounded();
@@ -196,7 +183,7 @@ fn sixteen(family: Family, first: u64) -> [(Curve<f32>, Vec3); SIXTEEN] {
     })
 }
 
-/// Solves the first `inputs` cases of each family with the WGSL solver.
+/// Measures the solver in WGSL on a GPU, over the first `inputs` cases of each family of inputs.
 fn on_adapter(gpu: &Gpu, inputs: u64) -> Result<Throughput, BenchError> {
     let mut tally = AnswerTally::default();
     let mut seconds = 0.0;
@@ -206,9 +193,7 @@ fn on_adapter(gpu: &Gpu, inputs: u64) -> Result<Throughput, BenchError> {
         let (answers, each) = render::increasing_roots(gpu, &questions, DISPATCHES)?;
         seconds += each.as_secs_f64();
         for (index, roots) in (0..inputs).zip(answers) {
-            let mut found = FoundRoots::none();
-            found.extend(roots.found());
-            tally.count(family, index, &ErrorBounds::<f32>::new(family, &family.case(index)), &found);
+            count_roots(&mut tally, family, index, roots.found().collect());
         }
     }
     Ok(Throughput {

@@ -6,9 +6,8 @@ use super::family::{FAMILIES, Family};
 use super::judge::{AnswerTally, WrongCase};
 use super::method::Method;
 use super::width::Precision;
-use crate::Quantiles;
 
-/// Report of the comparison.
+/// Speed, accuracy and failures of solvers for the curve parameter.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SolverBenchReport {
@@ -50,7 +49,7 @@ pub struct MeasuredMethod {
     /// `errorEpsCond`.
     pub on_pareto_front: bool,
     /// Errors and failures over all families.
-    pub accuracy: Accuracy,
+    pub accuracy: AnswerTally,
     /// Run time and errors in each family.
     pub families: Vec<FamilyAccuracy>,
 }
@@ -62,29 +61,7 @@ pub struct FamilyAccuracy {
     pub family: Family,
     /// Nanoseconds per solve on one core.
     pub nanoseconds: f64,
-    pub accuracy: Accuracy,
-}
-
-/// Errors and failures of a solver.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Accuracy {
-    /// Number of cases.
-    pub inputs: u64,
-    /// Errors in u of all roots that were found.
-    pub error_u: Quantiles,
-    /// Errors in units of `eps cond`, for cases in which the light model bounds the error of u (section 5): at most 16.
-    pub error_eps_cond: Quantiles,
-    /// Number of roots on the segment that were not found.
-    pub missed: u64,
-    /// Number of reported parameters that are no root.
-    pub spurious: u64,
-    /// Number of roots whose error is over the bounds.
-    pub inaccurate: u64,
-    /// Number of reported parameters that are NaN.
-    pub nan: u64,
-    /// First case with a wrong answer.
-    pub first_wrong: Option<WrongCase>,
+    pub accuracy: AnswerTally,
 }
 
 /// Throughput of many solves at once.
@@ -106,23 +83,6 @@ impl SolverVerdict {
     }
 }
 
-impl Accuracy {
-    /// Makes the errors and failures from a tally.
-    pub fn of(tally: &AnswerTally) -> Self {
-        let AnswerTally { inputs, missed, spurious, inaccurate, nan, first_wrong, .. } = *tally;
-        Self {
-            inputs,
-            error_u: tally.error.quantiles(),
-            error_eps_cond: tally.error_eps_cond.quantiles(),
-            missed,
-            spurious,
-            inaccurate,
-            nan,
-            first_wrong,
-        }
-    }
-}
-
 impl MeasuredMethod {
     /// Combines the time and the tally of each family.
     pub fn new(
@@ -131,17 +91,14 @@ impl MeasuredMethod {
         times: &[f64; FAMILIES.len()],
         tallies: [&AnswerTally; FAMILIES.len()],
     ) -> Self {
-        let in_family = |k: usize| FamilyAccuracy {
-            family: FAMILIES[k],
-            nanoseconds: times[k],
-            accuracy: Accuracy::of(tallies[k]),
-        };
+        let in_family =
+            |k: usize| FamilyAccuracy { family: FAMILIES[k], nanoseconds: times[k], accuracy: tallies[k].clone() };
         Self {
             method,
             precision,
             nanoseconds: times.iter().sum::<f64>() / times.len() as f64,
             on_pareto_front: false,
-            accuracy: Accuracy::of(&AnswerTally::sum(tallies)),
+            accuracy: AnswerTally::sum(tallies),
             families: (0..FAMILIES.len()).map(in_family).collect(),
         }
     }
@@ -149,7 +106,7 @@ impl MeasuredMethod {
     /// Returns the error that the chart shows: the error in u that one root in a thousand exceeds, for a condition of
     /// 1.
     pub fn error(&self) -> f64 {
-        self.accuracy.error_eps_cond.p999 * self.precision.eps()
+        self.accuracy.error_eps_cond.quantile(0.999) * self.precision.eps()
     }
 
     /// Sets [`Self::on_pareto_front`] of each method.

@@ -5,12 +5,11 @@ use relight::{SolverBatch, solve_batch};
 
 use super::family::SolverCase;
 use super::found::FoundRoots;
-use super::judge::{AnswerTally, ErrorBounds};
+use super::judge::ErrorBounds;
 use super::truth::ExactCubic;
 use super::width::FloatWidth;
 use super::{
-    Accuracy, FAMILIES, Family, METHODS, MeasuredMethod, Method, Precision, SIXTEEN, SolverBenchOptions,
-    SolverBenchReport, run, sixteen,
+    AnswerTally, FAMILIES, Family, METHODS, MeasuredMethod, Method, Precision, SIXTEEN, SolverBenchReport, run, sixteen,
 };
 use crate::Progress;
 
@@ -30,25 +29,14 @@ fn tally<F: FloatWidth>(
     tally
 }
 
-fn found<F: FloatWidth>(roots: impl IntoIterator<Item = F>) -> FoundRoots<F> {
-    let mut found = FoundRoots::none();
-    found.extend(roots);
-    found
-}
-
 /// The other methods are correct implementations: for inputs without degeneracies they find every root, half of them to
 /// 20 eps.
 #[test]
 fn all_solve_the_ordinary() {
     fn solves<F: FloatWidth>(method: Method) {
         let tally = tally::<F>(Family::Ordinary, 2000, method, |found| found);
-        assert_eq!(
-            (tally.missed, tally.spurious, tally.nan),
-            (0, 0, 0),
-            "{method:?}: {:?}",
-            tally.first_wrong
-        );
-        assert!(tally.error.quantiles().p50 < 20.0 * F::PRECISION.eps(), "{method:?}");
+        assert_eq!((tally.missed, tally.spurious, tally.nan), (0, 0, 0), "{method:?}: {:?}", tally.first_wrong);
+        assert!(tally.error_u.quantiles().p50 < 20.0 * F::PRECISION.eps(), "{method:?}");
     }
     for method in METHODS {
         solves::<f32>(method);
@@ -85,17 +73,11 @@ fn planted_faults_are_judged() {
         [tally.missed, tally.spurious, tally.inaccurate, tally.nan].map(|count| count > 0)
     };
     assert_eq!(judge(|right| right), [false, false, false, false]);
-    assert_eq!(judge(|_| FoundRoots::none()), [true, false, false, false]);
-    assert_eq!(
-        judge(|right| found(right.roots().iter().copied().chain([0.123]))),
-        [false, true, false, false]
-    );
+    assert_eq!(judge(|_| FoundRoots::from_iter([])), [true, false, false, false]);
+    assert_eq!(judge(|right| right.roots().iter().copied().chain([0.123]).collect()), [false, true, false, false]);
     // 1e-4 is some thousand eps: well over the bound, and still the same root.
-    assert_eq!(judge(|right| found(right.roots().iter().map(|u| u + 1e-4))), [false, false, true, false]);
-    assert_eq!(
-        judge(|right| found(right.roots().iter().copied().chain([f32::NAN]))),
-        [false, false, false, true]
-    );
+    assert_eq!(judge(|right| right.roots().iter().map(|u| u + 1e-4).collect()), [false, false, true, false]);
+    assert_eq!(judge(|right| right.roots().iter().copied().chain([f32::NAN]).collect()), [false, false, false, true]);
 }
 
 /// The nearest point of a parabola is known by construction, and every root's residual in 106 bits.
@@ -117,11 +99,7 @@ fn truth_is_true() {
             for root in truth.roots.iter().flatten() {
                 // f is a sum of products of two lengths, each rounded to 2^-104; f64 would leave 1e-16.
                 let bar = 1e-29 * size * size;
-                assert!(
-                    truth.value(root.u).abs() <= bar,
-                    "{family:?} {index}: {}",
-                    truth.value(root.u) / bar
-                );
+                assert!(truth.value(root.u).abs() <= bar, "{family:?} {index}: {}", truth.value(root.u) / bar);
             }
         }
     }
@@ -136,12 +114,13 @@ fn sixteen_are_as_one() {
     for family in FAMILIES {
         for first in (0..800).step_by(SIXTEEN) {
             let cases = sixteen(family, first);
-            let mut many = solve_batch(&SolverBatch::new(&cases)).map(|roots| found(roots.found()));
+            let mut many =
+                solve_batch(&SolverBatch::new(&cases)).map(|roots| roots.found().collect::<FoundRoots<f32>>());
             for (lane, (curve, q)) in cases.iter().enumerate() {
                 let one = scalar(curve, *q);
                 assert_eq!(bits(&many[lane]), bits(&one), "{family:?} {}", first + lane as u64);
             }
-            many[3] = found(many[3].roots().iter().map(|u| u.next_up()));
+            many[3] = many[3].roots().iter().map(|u| u.next_up()).collect();
             differ += usize::from(bits(&many[3]) != bits(&scalar(&cases[3].0, cases[3].1)));
         }
     }
@@ -151,7 +130,7 @@ fn sixteen_are_as_one() {
 /// Statements of docs/accuracy.md: over all families only the product's solver is never wrong, and it is the most
 /// accurate. Far from the origin some others are never wrong either, and more accurate in f32.
 fn says_what_the_docs_say(report: &SolverBenchReport) {
-    let failures = |a: &Accuracy| a.missed + a.spurious + a.inaccurate + a.nan;
+    let failures = |a: &AnswerTally| a.missed + a.spurious + a.inaccurate + a.nan;
     for precision in [Precision::F32, Precision::F64] {
         let (ours, others): (Vec<_>, Vec<_>) = report
             .methods
@@ -164,19 +143,15 @@ fn says_what_the_docs_say(report: &SolverBenchReport) {
             assert!(other.error() > ours[0].error(), "{:?} {precision:?}", other.method);
         }
     }
-    let far_offset = |measured: &MeasuredMethod| {
-        let of_family = measured.families.iter().find(|f| f.family == Family::FarOffset);
-        of_family.expect("every family").accuracy
-    };
     let in_f32 = |method: Method| {
-        let of_width = report.methods.iter().filter(|measured| measured.precision == Precision::F32);
-        let measured = of_width.into_iter().find(|measured| measured.method == method);
-        far_offset(measured.expect("every method"))
+        let is_wanted = |measured: &&MeasuredMethod| (measured.method, measured.precision) == (method, Precision::F32);
+        let measured = report.methods.iter().find(is_wanted).expect("every method");
+        &measured.families.iter().find(|f| f.family == Family::FarOffset).expect("every family").accuracy
     };
-    let ours = in_f32(Method::Ours).error_eps_cond.p999;
+    let ours = in_f32(Method::Ours).error_eps_cond.quantile(0.999);
     for better in [Method::Blinn, Method::Yuksel] {
         let accuracy = in_f32(better);
-        assert!(failures(&accuracy) == 0 && accuracy.error_eps_cond.p999 < ours, "{better:?}");
+        assert!(failures(accuracy) == 0 && accuracy.error_eps_cond.quantile(0.999) < ours, "{better:?}");
     }
 }
 
@@ -186,8 +161,7 @@ fn says_what_the_docs_say(report: &SolverBenchReport) {
 fn whole_run() {
     let gpu = Gpu::new().expect("a GPU, be it software");
     let judged = std::sync::atomic::AtomicUsize::new(0);
-    let options = SolverBenchOptions { inputs_per_family: 300, methods: METHODS.to_vec() };
-    let (report, svg) = run(&options, Some(&gpu), |Progress { done, of, .. }| {
+    let (report, svg) = run(300, &METHODS, Some(&gpu), |Progress { done, of, .. }| {
         assert!(done <= of);
         judged.fetch_max(done, std::sync::atomic::Ordering::Relaxed);
     })

@@ -90,8 +90,7 @@ impl ExactCubic {
         }
         let [c0, c1, c2, c3] = self.coefficients.map(|c| c.hi());
         let slope = |u: f64| (3.0 * c3 * u + 2.0 * c2) * u + c1;
-        let near =
-            bracketed(|u| ((c3 * u + c2) * u + c1) * u + c0, slope, [low, high], f64::midpoint(low, high));
+        let near = bracketed(|u| ((c3 * u + c2) * u + c1) * u + c0, slope, [low, high], f64::midpoint(low, high));
         let mut u = TwoFloat::from(bracketed(at, slope, [low, high], near));
         let slope = self.slope(u.hi());
         for _ in 0..2 {
@@ -107,12 +106,7 @@ impl ExactCubic {
 
 /// Applies Newton's method on an increasing function, with a bisection step if it leaves the bracket, until it stops
 /// changing.
-fn bracketed(
-    value: impl Fn(f64) -> f64,
-    slope: impl Fn(f64) -> f64,
-    [mut low, mut high]: [f64; 2],
-    start: f64,
-) -> f64 {
+fn bracketed(value: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], start: f64) -> f64 {
     let mut u = start;
     for _ in 0..200 {
         let at_u = value(u);

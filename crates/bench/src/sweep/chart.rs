@@ -4,7 +4,7 @@ use plotters::prelude::*;
 
 use super::{SHAPES, SweepReport};
 use crate::BenchError;
-use crate::chart::{self, BLUE, ORANGE, WRONG};
+use crate::chart::{self, BLUE, ORANGE, PlotLayout, WRONG};
 
 const COLORS: [RGBColor; 2] = [ORANGE, BLUE];
 /// Error as which smaller ones are drawn. A picture that is entirely dark has an error of 0.
@@ -14,16 +14,15 @@ const LEAST_ERROR: f64 = 1e-6;
 /// wrong pixels.
 pub(super) fn draw(report: &SweepReport) -> Result<String, BenchError> {
     let SweepReport { width, height, .. } = report;
-    let title =
-        format!("random lights over random scenes, {width}x{height}: run time against error of radiance");
+    let title = format!("random lights over random scenes, {width}x{height}: run time against error of radiance");
     chart::svg((900, 640), &title, |area| {
         for (panel, (shape, _)) in area.split_evenly((2, 2)).iter().zip(SHAPES) {
-            let mut plot = ChartBuilder::on(panel)
-                .caption(shape, ("sans-serif", 17))
-                .margin(10)
-                .x_label_area_size(34)
-                .y_label_area_size(58)
-                .build_cartesian_2d((1.0..2e3).log_scale(), (LEAST_ERROR..1e-2).log_scale())?;
+            let mut plot = PlotLayout { caption: 17, margin: 10, below: 34, left: 58 }.plot(
+                panel,
+                shape,
+                (1.0..2e3).log_scale(),
+                (LEAST_ERROR..1e-2).log_scale(),
+            )?;
             plot.configure_mesh()
                 .x_desc("ms of the picture")
                 .y_desc("relative RMSE")
@@ -36,12 +35,8 @@ pub(super) fn draw(report: &SweepReport) -> Result<String, BenchError> {
                     let drawn = &pose.by[index];
                     (drawn.frame_ms, drawn.radiance_rmse.max(LEAST_ERROR))
                 };
-                let label = format!(
-                    "{}: {} pixels wrong of {:.0} thousand",
-                    row.backend,
-                    row.wrong,
-                    row.calm as f64 / 1e3
-                );
+                let label =
+                    format!("{}: {} pixels wrong of {:.0} thousand", row.backend, row.wrong, row.stable as f64 / 1e3);
                 plot.draw_series(poses.iter().map(|pose| Circle::new(at(index, pose), 2, color.filled())))?
                     .label(label)
                     .legend(chart::dot(color.filled()));

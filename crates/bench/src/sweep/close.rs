@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use reference::{Reference, ReferenceLight, ShadedPoint};
 use scene::{Camera, Projection, View};
 
-use super::stage::camera;
+use super::stage::look;
 
 /// Number of pixels tried to find an edge between surfaces near a shadow.
 const TRIES: usize = 400;
@@ -42,7 +42,7 @@ impl ShadowCorner {
     /// known to be free.
     pub fn camera(&self, times: f64) -> Camera {
         let distance = (self.distance * times).min(self.farthest);
-        camera(self.target + self.to_eye * distance, self.target, self.yfov)
+        look(self.target + self.to_eye * distance, self.target, self.yfov)
     }
 }
 
@@ -72,12 +72,7 @@ pub(super) fn find(
 }
 
 /// True if light arrives at some points of the surface's plane around `surface`, but not at all.
-fn is_near_a_shadow(
-    reference: &Reference,
-    source: &ReferenceLight,
-    surface: &ShadedPoint,
-    texel: f64,
-) -> bool {
+fn is_near_a_shadow(reference: &Reference, source: &ReferenceLight, surface: &ShadedPoint, texel: f64) -> bool {
     let (x, y) = surface.geometric_normal.any_orthonormal_pair();
     let is_lit = |k: u32| {
         let step = DVec2::from_angle(f64::from(k) / f64::from(DIRECTIONS) * std::f64::consts::TAU);
@@ -92,11 +87,10 @@ fn is_near_a_shadow(
 /// Finds two surfaces that meet between two pixels and face each other: each lies in front of the other's plane.
 fn inner_corner(reference: &Reference, view: &View, [mut a, mut b]: [DVec2; 2]) -> Option<[ShadedPoint; 2]> {
     let (mut here, mut there) = (reference.surface(view, a)?, reference.surface(view, b)?);
-    let is_same = |one: &ShadedPoint, other: &ShadedPoint| {
-        one.geometric_normal.dot(other.geometric_normal) > SAME_COSINE
-    };
-    let way = there.position - here.position;
-    let faces = here.geometric_normal.dot(way) > 0.0 && there.geometric_normal.dot(way) < 0.0;
+    let is_same =
+        |one: &ShadedPoint, other: &ShadedPoint| one.geometric_normal.dot(other.geometric_normal) > SAME_COSINE;
+    let offset = there.position - here.position;
+    let faces = here.geometric_normal.dot(offset) > 0.0 && there.geometric_normal.dot(offset) < 0.0;
     if is_same(&here, &there) || !faces {
         return None;
     }

@@ -38,8 +38,8 @@ pub(super) struct JudgedView {
 }
 
 /// Returns the share of stable pixels among pixels with a surface; 1 if there are none.
-pub(super) fn stable_share(calm: usize, surfaces: usize) -> f64 {
-    if surfaces == 0 { 1.0 } else { calm as f64 / surfaces as f64 }
+pub(super) fn stable_share(stable: usize, surfaces: usize) -> f64 {
+    if surfaces == 0 { 1.0 } else { stable as f64 / surfaces as f64 }
 }
 
 /// Finds the stable pixels of a view under a light whose shadow map has texels of at most `texel` world units across
@@ -54,10 +54,10 @@ pub(super) fn judge(
     let pixels = (0..width * height).into_par_iter().filter_map(|pixel| {
         let centre = DVec2::new((pixel % width) as f64, (pixel / width) as f64) + 0.5;
         let surface = reference.surface(view, centre)?;
-        let is_calm = is_one_surface(reference, view, centre, &surface)
+        let is_stable = is_one_surface(reference, view, centre, &surface)
             && has_no_coincident_surface(reference, &surface)
             && is_stable(reference, source, &surface, texel(&surface), &RINGS);
-        Some(is_calm.then(|| StablePixel { pixel, is_lit: is_lit(reference, source, &surface), surface }))
+        Some(is_stable.then(|| StablePixel { pixel, is_lit: is_lit(reference, source, &surface), surface }))
     });
     let pixels: Vec<Option<StablePixel>> = pixels.collect();
     JudgedView { surfaces: pixels.len(), stable: pixels.into_iter().flatten().collect() }
@@ -67,10 +67,10 @@ pub(super) fn judge(
 pub(super) fn is_surely_stable(
     reference: &Reference,
     source: &ReferenceLight,
-    calm: &StablePixel,
+    stable: &StablePixel,
     texel: f64,
 ) -> bool {
-    is_stable(reference, source, &calm.surface, texel, &CLOSE_RINGS)
+    is_stable(reference, source, &stable.surface, texel, &CLOSE_RINGS)
 }
 
 /// True if light arrives; `None` outside of the light.
@@ -80,13 +80,11 @@ fn is_lit(reference: &Reference, source: &ReferenceLight, surface: &ShadedPoint)
 
 /// True if a rasterizer sees the same triangle at the pixel, with any rounding.
 fn is_one_surface(reference: &Reference, view: &View, centre: DVec2, surface: &ShadedPoint) -> bool {
-    [(RASTER_SNAP_PX, 0.0), (-RASTER_SNAP_PX, 0.0), (0.0, RASTER_SNAP_PX), (0.0, -RASTER_SNAP_PX)]
-        .into_iter()
-        .all(|(x, y)| {
-            reference
-                .surface(view, centre + DVec2::new(x, y))
-                .is_some_and(|beside| beside.triangle == surface.triangle)
-        })
+    [(RASTER_SNAP_PX, 0.0), (-RASTER_SNAP_PX, 0.0), (0.0, RASTER_SNAP_PX), (0.0, -RASTER_SNAP_PX)].into_iter().all(
+        |(x, y)| {
+            reference.surface(view, centre + DVec2::new(x, y)).is_some_and(|beside| beside.triangle == surface.triangle)
+        },
+    )
 }
 
 /// True if no other surface coincides within the precision of f32: a few ulps of positions of the scene's size and of

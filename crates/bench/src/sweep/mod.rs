@@ -67,8 +67,8 @@ pub struct SceneFile {
 /// Options of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepOptions {
-    /// Poses of each shape.
-    pub poses: usize,
+    /// Numbers of the poses to draw, for each shape.
+    pub poses: Vec<usize>,
     /// Seed of the random poses.
     pub seed: u64,
     /// Pixels of each picture.
@@ -79,8 +79,6 @@ pub struct SweepOptions {
     pub scenes: Vec<SceneFile>,
     /// Texels per side of shadow maps.
     pub resolution: u32,
-    /// Number of the only pose to draw, for each shape.
-    pub only: Option<usize>,
     /// Existing folder for a picture of each pose with a wrong pixel.
     pub pictures: Option<PathBuf>,
 }
@@ -121,7 +119,7 @@ pub struct SweepRow {
     pub failed: usize,
     /// Number of stable pixels, which are judged. They see a surface, and the reference is constant within 1.5 texels
     /// around.
-    pub calm: usize,
+    pub stable: usize,
     /// Stable pixels with a wrong shadow, after the reference tested 900 points around each.
     pub wrong: usize,
     /// Poses with at least one wrong pixel.
@@ -151,7 +149,7 @@ pub struct SweepPose {
     /// Pixels that see a surface.
     pub surfaces: usize,
     /// Stable pixels, which are judged.
-    pub calm: usize,
+    pub stable: usize,
     /// The largest `R kappa` of a bent light; `None` for other shapes.
     pub r_kappa: Option<f64>,
     /// Results by backend.
@@ -192,27 +190,18 @@ pub fn sweep(
     progress: impl Fn(Progress),
 ) -> Result<SweepReport, BenchError> {
     let [width, height] = options.size;
-    let numbers = options.only.map_or(0..options.poses, |only| only..only + 1);
-    let of = numbers.len() * options.shapes.len();
-    let files: Vec<SweepStage> = options
-        .scenes
-        .iter()
-        .map(|file| {
-            let aspect_ratio = f64::from(width) / f64::from(height);
-            SweepStage::of_file(&file.name, file.scene.clone(), &file.cameras, aspect_ratio)
-        })
-        .collect();
+    let of = options.poses.len() * options.shapes.len();
+    let aspect_ratio = f64::from(width) / f64::from(height);
+    let stage = |file: &SceneFile| SweepStage::of_file(&file.name, file.scene.clone(), &file.cameras, aspect_ratio);
+    let files: Vec<SweepStage> = options.scenes.iter().map(stage).collect();
     for renderer in renderers.iter_mut() {
-        renderer.set_shadow_settings(ShadowSettings {
-            resolution: options.resolution,
-            ..ShadowSettings::default()
-        })?;
+        renderer.set_shadow_settings(ShadowSettings { resolution: options.resolution, ..ShadowSettings::default() })?;
     }
     let (mut poses, mut wrong) = (Vec::with_capacity(of), 0);
     let shapes = SHAPES.into_iter().filter(|(name, _)| options.shapes.contains(name));
-    for shape in shapes.clone() {
-        for number in numbers.clone() {
-            let pose = measure_pose(renderers, shape, number, &files, options)?;
+    for (name, shape) in shapes.clone() {
+        for &number in &options.poses {
+            let pose = measure_pose(renderers, name, shape, number, &files, options)?;
             wrong += pose.by.iter().map(|drawn| drawn.wrong).sum::<usize>();
             poses.push(pose);
             progress(Progress { done: poses.len(), of, what: format!("{wrong} pixels wrong") });
@@ -246,7 +235,8 @@ fn rng(seed: u64, shape: ParameterOwner, number: usize) -> Rng {
 
 fn measure_pose(
     renderers: &mut [Renderer],
-    (name, shape): (&'static str, ParameterOwner),
+    name: &'static str,
+    shape: ParameterOwner,
     number: usize,
     files: &[SweepStage],
     options: &SweepOptions,
@@ -279,7 +269,7 @@ fn measure_pose(
     };
     let linked = [LinkedReferenceLight::new(&stage.reference.bvh.posed, &lights[0].light)];
     let radiance = |surface: &ShadedPoint| stage.reference.radiance(&linked, 0.0, surface);
-    let expected: Vec<DVec3> = judged.stable.iter().map(|calm| radiance(&calm.surface)).collect();
+    let expected: Vec<DVec3> = judged.stable.iter().map(|stable| radiance(&stable.surface)).collect();
     let mut by = Vec::with_capacity(renderers.len());
     let mut shown = Vec::new();
     for (renderer, backend) in renderers.iter_mut().zip(BACKENDS) {
@@ -288,21 +278,21 @@ fn measure_pose(
         let beauty = renderer.render(&view, &lights)?;
         let frame_ms = begun.elapsed().as_secs_f64() * 1e3;
         let visibility = renderer.render(&View { aov: Aov::Visibility, ..view.clone() }, &lights)?;
-        let is_off = |calm: &judge::StablePixel| {
-            let [share, .., inside] = visibility.pixels[calm.pixel];
-            let expected = calm.is_lit.map_or(0.0, f32::from);
+        let is_off = |stable: &judge::StablePixel| {
+            let [share, .., inside] = visibility.pixels[stable.pixel];
+            let expected = stable.is_lit.map_or(0.0, f32::from);
             (share * inside - expected).abs() > WRONG
         };
         let (mut error2, mut expected2) = (0.0, 0.0);
         let mut wrong = Vec::new();
-        for (calm, expected) in judged.stable.iter().zip(&expected) {
-            if is_off(calm) {
-                if judge::is_surely_stable(&stage.reference, &source, calm, texel(&calm.surface)) {
-                    wrong.push(calm.pixel);
+        for (stable, expected) in judged.stable.iter().zip(&expected) {
+            if is_off(stable) {
+                if judge::is_surely_stable(&stage.reference, &source, stable, texel(&stable.surface)) {
+                    wrong.push(stable.pixel);
                 }
                 continue;
             }
-            let [r, g, b, _] = beauty.pixels[calm.pixel].map(f64::from);
+            let [r, g, b, _] = beauty.pixels[stable.pixel].map(f64::from);
             error2 += (DVec3::new(r, g, b) - *expected).length_squared();
             expected2 += expected.length_squared();
         }
@@ -320,7 +310,7 @@ fn measure_pose(
         stage: stage.name.clone(),
         is_close: corner.is_some(),
         surfaces: judged.surfaces,
-        calm: judged.stable.len(),
+        stable: judged.stable.len(),
         r_kappa,
         by,
     };
@@ -377,13 +367,7 @@ fn random_visible_light(shape: ParameterOwner, stage: &SweepStage, view: &View, 
 
 /// Returns the maximum width of a texel across the light at a surface, in world units: a map may be fitted more
 /// tightly, never less.
-fn texel(
-    source: &ReferenceLight,
-    light: &Light,
-    stage: &SweepStage,
-    surface: &ShadedPoint,
-    resolution: u32,
-) -> f64 {
+fn texel(source: &ReferenceLight, light: &Light, stage: &SweepStage, surface: &ShadedPoint, resolution: u32) -> f64 {
     // A border of four texels around the fitted region is for the filter.
     let texels = |resolution: u32| f64::from(resolution) - 4.0;
     let origin = stage.reference.bvh.posed.origin_in_world;
@@ -417,7 +401,7 @@ fn row(poses: &[&SweepPose], index: usize) -> SweepRow {
         backend: by.first().map_or("", |drawn| drawn.backend),
         poses: poses.len(),
         failed: poses.iter().filter(|pose| pose.has_failed()).count(),
-        calm: poses.iter().map(|pose| pose.calm).sum(),
+        stable: poses.iter().map(|pose| pose.stable).sum(),
         wrong: by.iter().map(|drawn| drawn.wrong).sum(),
         poses_wrong: by.iter().filter(|drawn| drawn.wrong > 0).count(),
         worst: by.iter().map(|drawn| drawn.wrong).max().unwrap_or(0),
@@ -429,7 +413,7 @@ fn row(poses: &[&SweepPose], index: usize) -> SweepRow {
 
 impl SweepPose {
     fn has_failed(&self) -> bool {
-        judge::stable_share(self.calm, self.surfaces) < MIN_STABLE_SHARE
+        judge::stable_share(self.stable, self.surfaces) < MIN_STABLE_SHARE
     }
 
     fn is_right(&self) -> bool {

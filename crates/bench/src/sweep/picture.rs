@@ -17,8 +17,8 @@ pub(super) fn panels(
     judged: &JudgedView,
     drawn: &[(Picture, Vec<usize>)],
 ) -> RgbImage {
-    let mut is_calm = vec![false; (width * height) as usize];
-    judged.stable.iter().for_each(|calm| is_calm[calm.pixel] = true);
+    let mut is_stable = vec![false; (width * height) as usize];
+    judged.stable.iter().for_each(|stable| is_stable[stable.pixel] = true);
     let brightest = reference.iter().map(|pixel| pixel.max_element()).fold(f64::MIN_POSITIVE, f64::max);
     let shown = |[r, g, b]: [f64; 3]| {
         Rgb([r, g, b].map(|x| ((x / brightest).clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8))
@@ -27,7 +27,7 @@ pub(super) fn panels(
         let radiance = reference[pixel].to_array();
         match panel {
             0 => shown(radiance),
-            1 if is_calm[pixel] => shown(radiance),
+            1 if is_stable[pixel] => shown(radiance),
             1 => Rgb([40, 60, 200]),
             _ => {
                 let (picture, wrong) = &drawn[panel - 2];

@@ -2,9 +2,7 @@
 
 use fastrand::Rng;
 use glam::{DQuat, DVec3};
-use light::parameters::{
-    CONE_ANGLE, END_MODE, FRAME, HEIGHT, INTENSITY, RANGE, ROTATION, TRANSLATION, UP, WIDTH,
-};
+use light::parameters::{CONE_ANGLE, END_MODE, FRAME, HEIGHT, INTENSITY, RANGE, ROTATION, TRANSLATION, UP, WIDTH};
 use light::{CheckedLight, EndMode, FrameMode, Light, ParameterOwner, Tube};
 
 use super::stage::{SweepStage, direction};
@@ -25,12 +23,12 @@ pub(super) fn random(shape: ParameterOwner, stage: &SweepStage, rng: &mut Rng) -
     match shape {
         ParameterOwner::Directional => sun(stage, rng),
         ParameterOwner::Omni => Light::omni()
-            .with(TRANSLATION, place(stage, rng))
+            .with(TRANSLATION, clear_position(stage, rng))
             .with(ROTATION, turned(direction(rng), rng))
             .with(RANGE, (rng.u8(..4) == 0).then(|| stage.things_radius * (1.0 + 3.0 * rng.f64())))
             .with(INTENSITY, 4.0),
         ParameterOwner::Spot => {
-            let source = place(stage, rng);
+            let source = clear_position(stage, rng);
             Light::spot()
                 .with(TRANSLATION, source)
                 .with(ROTATION, turned(aim(stage, rng) - source, rng))
@@ -69,13 +67,13 @@ fn sun(stage: &SweepStage, rng: &mut Rng) -> Light {
 
 /// Returns a random position of a source: log-uniform in its height over the floor, from a hundredth of the maximum,
 /// and clear of surfaces.
-fn place(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
+fn clear_position(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
     let aside = |rng: &mut Rng| stage.lights_half * (2.0 * rng.f64() - 1.0);
     loop {
         let height = stage.lights_height * 0.01_f64.powf(rng.f64());
-        let place = stage.ground_in_world + DVec3::new(aside(rng), height, aside(rng));
-        if stage.is_clear(place, CLEARANCE) {
-            return place;
+        let position = stage.ground_in_world + DVec3::new(aside(rng), height, aside(rng));
+        if stage.is_clear(position, CLEARANCE) {
+            return position;
         }
     }
 }
@@ -90,19 +88,19 @@ fn aim(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
 /// fold.
 fn bent(stage: &SweepStage, rng: &mut Rng) -> Light {
     let source = loop {
-        let source = place(stage, rng);
+        let source = clear_position(stage, rng);
         if (source - stage.ground_in_world).y > 0.3 * stage.things_radius {
             break source;
         }
     };
-    let way = (aim(stage, rng) - source) * (1.1 + 0.6 * rng.f64());
-    let length = way.length();
+    let axis = (aim(stage, rng) - source) * (1.1 + 0.6 * rng.f64());
+    let length = axis.length();
     let (aside, over) = (direction(rng) * length, direction(rng) * length);
     let (bow, sway) = (0.5 * rng.f64(), 0.25 * rng.f64());
     let segments = rng.usize(1..=6);
     let at = |share: f64| {
         let angle = std::f64::consts::PI * share;
-        way * share + aside * (bow * angle.sin()) + over * (sway * (2.0 * angle).sin())
+        axis * share + aside * (bow * angle.sin()) + over * (sway * (2.0 * angle).sin())
     };
     let points: Vec<DVec3> = (0..segments + 2).map(|k| at(k as f64 / (segments + 1) as f64)).collect();
     let (first, last) = (0.3 * rng.f64() * f64::from(rng.u8(..2)), 0.3 + 0.7 * rng.f64());

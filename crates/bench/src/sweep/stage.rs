@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use fastrand::Rng;
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec3};
 use reference::Reference;
-use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Scene, framing_camera};
+use scene::{Camera, Fill, Material, Primitive, Scene, framing_camera};
 
-use crate::solids::{ball, block, square, vase};
+use crate::solids::{GREY, PlacedPrimitive, ball, block, camera, scene_of, square, vase};
+
+const NO_FILL: Fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
 
 /// Floor under the objects, and their surroundings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,9 +62,6 @@ pub(super) struct SweepStage {
     pub casters_radius: f64,
 }
 
-/// A mesh and its placement.
-type Part = (Primitive, DAffine3);
-
 impl SweepStage {
     /// Makes random objects in the given surroundings, seen by a random camera.
     pub fn random(setting: Surroundings, rng: &mut Rng) -> Self {
@@ -71,16 +70,16 @@ impl SweepStage {
         let is_thick = rng.u8(..3) == 0;
         let floor = |half_x: f64, half_z: f64, middle: DVec3| {
             if is_thick {
-                (block(), at([half_x, 0.05, half_z], middle - DVec3::Y * 0.05))
+                placed(block(), [half_x, 0.05, half_z], middle - DVec3::Y * 0.05)
             } else {
-                (square(), at([half_x, 1.0, half_z], middle))
+                placed(square(), [half_x, 1.0, half_z], middle)
             }
         };
         let wide = 3.0 + 7.0 * rng.f64();
         let middle = (min + max) / 2.0 * DVec3::new(1.0, 0.0, 1.0);
         let size = (max - min) / 2.0;
-        let wall = |[x, y, z]: [f64; 3], half: [f64; 3]| (block(), at(half, DVec3::new(x, y, z)));
-        let around: Vec<Part> = match setting {
+        let wall = |[x, y, z]: [f64; 3], half: [f64; 3]| placed(block(), half, DVec3::new(x, y, z));
+        let around: Vec<PlacedPrimitive> = match setting {
             Surroundings::SmallFloor => vec![floor(0.5 * size.x, 0.5 * size.z, middle)],
             Surroundings::EqualFloor => vec![floor(size.x, size.z, middle)],
             Surroundings::WideFloor => vec![floor(wide, wide, DVec3::ZERO)],
@@ -108,38 +107,29 @@ impl SweepStage {
                 ]
             }
         };
-        let is_side =
-            matches!(setting, Surroundings::SmallFloor | Surroundings::EqualFloor | Surroundings::WideFloor)
-                && !is_thick
-                && min.y >= 0.0;
+        let is_side = matches!(setting, Surroundings::SmallFloor | Surroundings::EqualFloor | Surroundings::WideFloor)
+            && !is_thick
+            && min.y >= 0.0;
         // The size is 0.03 to 30 world units, and the distance from the world's origin up to a hundred times that.
         let things_radius = 10_f64.powf(rng.f64() * 3.0 - 1.5);
         let ground_in_world =
             if rng.bool() { direction(rng) * (100.0 * things_radius * rng.f64()) } else { DVec3::ZERO };
-        let world = DAffine3::from_scale_rotation_translation(
-            DVec3::splat(things_radius),
-            DQuat::IDENTITY,
-            ground_in_world,
-        );
-        let parts = things.into_iter().chain(around).map(|(mesh, place)| (mesh, world * place));
-        let scene = scene_of(parts.collect());
+        let world =
+            DAffine3::from_scale_rotation_translation(DVec3::splat(things_radius), DQuat::IDENTITY, ground_in_world);
+        let parts = things.into_iter().chain(around);
+        let parts = parts.map(|PlacedPrimitive(mesh, placement)| PlacedPrimitive(mesh, world * placement));
+        let material = Material { base_color: GREY, metallic: 0.0, double_sided: true, ..Material::default() };
+        let scene = Scene { fill: NO_FILL, ..scene_of(material, parts) };
         let eye = eye(setting, rng);
         let target = DVec3::new(0.4 * (rng.f64() - 0.5), 0.1 + 0.5 * rng.f64(), 0.4 * (rng.f64() - 0.5));
-        let camera = camera(
-            ground_in_world + eye * things_radius,
-            ground_in_world + target * things_radius,
-            0.6 + 0.4 * rng.f64(),
-        );
+        let [eye, target] = [eye, target].map(|point| ground_in_world + point * things_radius);
+        let camera = look(eye, target, 0.6 + 0.4 * rng.f64());
         let reference = Reference::new(scene::pose(scene));
         let whole = reference.bvh.posed.half_extent.length();
         let is_room = setting == Surroundings::Room;
         Self {
             name: format!("{}{}", setting.name(), if is_thick { "Thick" } else { "" }),
-            casters_radius: if is_side {
-                whole.min(things_radius * (max - min).length() / 2.0)
-            } else {
-                whole
-            },
+            casters_radius: if is_side { whole.min(things_radius * (max - min).length() / 2.0) } else { whole },
             reference,
             camera,
             ground_in_world,
@@ -151,8 +141,7 @@ impl SweepStage {
 
     /// Makes a stage of a scene from a file, seen by its first camera or by one that frames it.
     pub fn of_file(name: &str, scene: Scene, cameras: &[Camera], aspect_ratio: f64) -> Self {
-        let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
-        let posed = scene::pose(Scene { fill, ..scene });
+        let posed = scene::pose(Scene { fill: NO_FILL, ..scene });
         let first = cameras.first().cloned();
         let camera = first.unwrap_or_else(|| framing_camera(&posed.bounds(), aspect_ratio));
         let (half, middle) = (posed.half_extent, posed.origin_in_world);
@@ -176,17 +165,16 @@ impl SweepStage {
         let posed = &self.reference.bvh.posed;
         let reach = share * posed.half_extent.length();
         let from = position - posed.origin_in_world;
-        let steps =
-            (0..27).map(|k| DVec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)) - 1.0);
+        let steps = (0..27).map(|k| DVec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)) - 1.0);
         steps.filter(|step| *step != DVec3::ZERO).all(|step| {
-            let way = step.normalize() * reach;
-            self.reference.bvh.first_hit(from, way, [0.0, 1.0], |_| true).is_none()
+            let ray = step.normalize() * reach;
+            self.reference.bvh.first_hit(from, ray, [0.0, 1.0], |_| true).is_none()
         })
     }
 }
 
 /// Makes three to seven objects on the floor or above it, within a unit of the origin.
-fn things(rng: &mut Rng) -> Vec<Part> {
+fn things(rng: &mut Rng) -> Vec<PlacedPrimitive> {
     let count = rng.usize(3..=7);
     (0..count)
         .map(|_| {
@@ -194,37 +182,36 @@ fn things(rng: &mut Rng) -> Vec<Part> {
             let (sin, cos) = (rng.f64() * std::f64::consts::TAU).sin_cos();
             let out = 0.7 * rng.f64().sqrt();
             let over = if rng.bool() { 0.0 } else { 0.6 * rng.f64() };
-            let place = DVec3::new(out * cos, over, out * sin);
+            let position = DVec3::new(out * cos, over, out * sin);
             let turned = DQuat::from_rotation_y(rng.f64() * 6.0);
-            let lying = |scale: DVec3, rotation: DQuat, middle: DVec3| {
-                DAffine3::from_scale_rotation_translation(scale, rotation, middle)
+            let part = |mesh: Primitive, scale: DVec3, rotation: DQuat, middle: DVec3| {
+                PlacedPrimitive(mesh, DAffine3::from_scale_rotation_translation(scale, rotation, middle))
             };
             match rng.u8(..6) {
-                0 => (ball(24), lying(DVec3::splat(size), turned, place + DVec3::Y * size)),
+                0 => part(ball(24), DVec3::splat(size), turned, position + DVec3::Y * size),
                 1 => {
                     let half = size * DVec3::new(1.0, 0.3 + rng.f64(), 0.3 + rng.f64());
-                    (block(), lying(half, turned, place + DVec3::Y * half.y))
+                    part(block(), half, turned, position + DVec3::Y * half.y)
                 }
                 2 => {
                     let half = DVec3::new(0.03, 0.2 + 0.4 * rng.f64(), 0.03);
-                    (block(), lying(half, turned, place + DVec3::Y * half.y))
+                    part(block(), half, turned, position + DVec3::Y * half.y)
                 }
                 3 => {
                     let half = DVec3::new(0.35, 0.012, 0.25);
                     let leaning = DQuat::from_axis_angle(direction(rng), rng.f64() * 1.5);
                     // High enough to be clear of the floor at any angle.
-                    (block(), lying(half, leaning, place + DVec3::Y * 0.45))
+                    part(block(), half, leaning, position + DVec3::Y * 0.45)
                 }
-                4 => (vase(30), lying(DVec3::splat(size), turned, place)),
+                4 => part(vase(30), DVec3::splat(size), turned, position),
                 _ => {
                     // A nearly upright sheet, through the floor or clear of it. Nothing hides light leaks at its foot.
                     let half = DVec3::new(0.4, 1.0, 0.1 + 0.3 * rng.f64());
-                    let upright =
-                        DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2 + 0.6 * (rng.f64() - 0.5));
+                    let upright = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2 + 0.6 * (rng.f64() - 0.5));
                     let up = (turned * upright * DVec3::Z).y.abs() * half.z;
                     let over = if rng.bool() { 0.05 * rng.f64() + 0.02 } else { -0.05 * up };
-                    let foot = DVec3::new(place.x, up + over, place.z);
-                    (square(), lying(half, turned * upright, foot))
+                    let foot = DVec3::new(position.x, up + over, position.z);
+                    part(square(), half, turned * upright, foot)
                 }
             }
         })
@@ -255,46 +242,19 @@ fn eye(setting: Surroundings, rng: &mut Rng) -> DVec3 {
     DVec3::new(around.cos() * up.cos(), up.sin(), around.sin() * up.cos()) * distance + DVec3::Y * 0.2
 }
 
-/// Returns the camera that looks from a world position to another.
-pub(super) fn camera(eye: DVec3, target: DVec3, yfov: f64) -> Camera {
-    let back = (eye - target).normalize();
-    let right = DVec3::Y.cross(back).normalize();
-    Camera {
-        name: String::new(),
-        translation: eye,
-        rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
-        projection: Projection::Perspective {
-            yfov,
-            aspect_ratio: None,
-            znear: 0.02 * eye.distance(target),
-            zfar: None,
-        },
-    }
+/// Returns the camera that looks from a world position to another, with a near plane at a fiftieth of the distance.
+pub(super) fn look(eye: DVec3, target: DVec3, yfov: f64) -> Camera {
+    camera(eye, target, yfov, 0.02 * eye.distance(target))
 }
 
-fn at(half: [f64; 3], middle: DVec3) -> DAffine3 {
-    DAffine3::from_scale_rotation_translation(DVec3::from_array(half), DQuat::IDENTITY, middle)
+fn placed(mesh: Primitive, half: [f64; 3], middle: DVec3) -> PlacedPrimitive {
+    let parent_from_local = DAffine3::from_scale_rotation_translation(DVec3::from_array(half), DQuat::IDENTITY, middle);
+    PlacedPrimitive(mesh, parent_from_local)
 }
 
-fn bounds(parts: &[Part]) -> (DVec3, DVec3) {
-    let positions = parts.iter().flat_map(|(mesh, place)| {
-        mesh.positions.iter().map(|position| place.transform_point3(position.as_dvec3()))
+fn bounds(parts: &[PlacedPrimitive]) -> (DVec3, DVec3) {
+    let positions = parts.iter().flat_map(|PlacedPrimitive(mesh, placement)| {
+        mesh.positions.iter().map(|position| placement.transform_point3(position.as_dvec3()))
     });
     positions.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)))
-}
-
-fn scene_of(parts: Vec<Part>) -> Scene {
-    let material = Material {
-        base_color: glam::Vec4::new(0.7, 0.7, 0.7, 1.0),
-        metallic: 0.0,
-        double_sided: true,
-        ..Material::default()
-    };
-    let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
-    let mut scene = Scene { materials: vec![material], fill, ..Scene::default() };
-    for (mesh, (primitive, parent_from_local)) in parts.into_iter().enumerate() {
-        scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
-        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
-    }
-    scene
 }

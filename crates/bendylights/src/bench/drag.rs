@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use ::bench::drag::{self, DragBenchOptions, TrialScene};
+use ::bench::drag::{self, TrialScene};
 use assets::LoadedScene;
 use cli::Size;
 
@@ -49,16 +49,10 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let Size { width, height } = args.size;
-    let stages: Result<Vec<TrialScene>, Error> = args
-        .scenes
-        .iter()
-        .map(|name| {
-            let LoadedScene { scene, contents, .. } = open_scene(name)?;
-            Ok(TrialScene::new(name, scene, &contents.cameras, [width, height]))
-        })
-        .collect();
-    let stages = stages?;
-    let options = DragBenchOptions { drags: args.drags as usize, seed: args.seed };
-    measure(args.output.as_deref(), |progress| drag::run(&stages, options, progress))?;
-    Ok(())
+    let stages = args.scenes.iter().map(|name| {
+        let LoadedScene { scene, contents, .. } = open_scene(name)?;
+        Ok(TrialScene::new(name, scene, &contents.cameras, [width, height]))
+    });
+    let stages = stages.collect::<Result<Vec<_>, Error>>()?;
+    measure(args.output.as_deref(), |progress| drag::run(&stages, args.drags as usize, args.seed, progress)).map(drop)
 }

@@ -72,8 +72,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let growth = args.growth.then(GrowthPlan::full);
     let repeats = args.repeats as usize;
     let (peers, growth) = (peers.as_ref(), growth.as_ref());
-    let options =
-        frame::FrameBenchOptions { repeats, crowd: CROWD, backend: args.backend.wanted(), peers, growth };
+    let options = frame::FrameBenchOptions { repeats, crowd: CROWD, backend: args.backend.wanted(), peers, growth };
     let report = measure(args.output.as_deref(), |progress| frame::run(&subject, options, progress))?;
     report.table().lines().for_each(print_note);
     Ok(())
@@ -85,10 +84,8 @@ fn subject(args: &Args) -> Result<FrameSubject, Error> {
     let Size { width, height } = args.size;
     let contents = &loaded.contents;
     let reach = light::SceneBounds::from(&loaded.scene);
-    let camera =
-        choose_camera(&args.scene, None, f64::from(width) / f64::from(height), (&reach, &contents.cameras))?;
+    let camera = choose_camera(&args.scene, None, f64::from(width) / f64::from(height), &reach, &contents.cameras)?;
     let Some(light) = contents.lights.first() else { return Err(Error::NothingLit(args.scene.clone())) };
-    let subject =
-        FrameSubject::new(&name_of(&args.scene), loaded.scene, camera, light.light(), [width, height]);
+    let subject = FrameSubject::new(&name_of(&args.scene), loaded.scene, camera, light.light(), [width, height]);
     subject.map_err(|reason| Error::BadLight { file: args.scene.clone(), reason })
 }

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use ::bench::log::{self, LogBenchOptions};
+use ::bench::log;
 
-use super::measure;
+use super::{measure, this_program};
 use crate::error::Error;
 use crate::usage::whole_number_parser;
 
@@ -30,8 +30,6 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let options = LogBenchOptions { edits: args.edits as usize };
-    measure(args.output.as_deref(), |progress| log::run(&program, options, progress))?;
-    Ok(())
+    let program = this_program()?;
+    measure(args.output.as_deref(), |progress| log::run(&program, args.edits as usize, progress)).map(drop)
 }

@@ -2,8 +2,8 @@
 
 mod drag;
 mod frame;
+mod isolation;
 mod log;
-mod neighbours;
 mod session;
 mod shadow;
 mod solver;
@@ -12,10 +12,11 @@ mod sweep;
 use std::path::{Path, PathBuf};
 
 use ::bench::{BenchError, Peers, Progress};
-use cli::{OutputFile, print_answer, progress};
+use cli::{OutputFile, progress};
 use serde::Serialize;
 
 use crate::error::Error;
+use crate::usage::print_json;
 
 #[derive(clap::Args)]
 pub struct Args {
@@ -35,7 +36,8 @@ enum Question {
     Log(log::Args),
     /// Loss of one client to another that does all it can: frames, answers and memory beside each kind of
     /// neighbour
-    Neighbours(neighbours::Args),
+    #[command(name = "neighbours")]
+    Isolation(isolation::Args),
     /// Time until an edit is on the screen: drags a control point over a server of its own, on loopback
     Session(session::Args),
     /// Cost and error of bent shadows: run time against error of resolution, splitting and filter
@@ -52,7 +54,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Question::Drag(args) => drag::run(args),
         Question::Frame(args) => frame::run(args),
         Question::Log(args) => log::run(args),
-        Question::Neighbours(args) => neighbours::run(args),
+        Question::Isolation(args) => isolation::run(args),
         Question::Session(args) => session::run(args),
         Question::Shadow(args) => shadow::run(args),
         Question::Solver(args) => solver::run(args),
@@ -79,8 +81,13 @@ fn measure<R: Serialize>(
     if let Some(output) = output {
         output.write(chart.as_bytes())?;
     }
-    print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    print_json(&report)?;
     Ok(report)
+}
+
+/// Returns the path of this program, whose `serve` is measured.
+fn this_program() -> Result<PathBuf, Error> {
+    std::env::current_exe().map_err(|error| Error::Bench(error.into()))
 }
 
 /// Options for other renderers to measure beside.

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use ::bench::{session, stills};
-use cli::{Size, print_answer};
+use cli::Size;
 
-use super::{PeerArgs, measure, name_of};
+use super::{PeerArgs, measure, name_of, this_program};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::render::open_scene_with_lights;
-use crate::usage::whole_number_parser;
+use crate::usage::{print_json, whole_number_parser};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if open_scene_with_lights(&args.scene, None)?.contents.lights.is_empty() {
         return Err(Error::NothingLit(args.scene.clone()));
     }
-    let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
+    let program = this_program()?;
     let options = session::SessionBenchOptions {
         scene: &args.scene,
         name: &name_of(&args.scene),
@@ -94,12 +94,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
         backend: args.backend.wanted(),
         peers: peers.as_ref(),
     };
-    measure(args.output.as_deref(), |progress| session::run(&program, &options, progress))?;
-    Ok(())
+    measure(args.output.as_deref(), |progress| session::run(&program, &options, progress)).map(drop)
 }
 
 fn beside_stills(args: &Args, count: u64) -> Result<(), Error> {
-    let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
     let options = stills::StillsBenchOptions {
         view: [args.size.width, args.size.height],
         drag: Duration::from_millis(args.updates * 1_000 / 60),
@@ -108,6 +106,5 @@ fn beside_stills(args: &Args, count: u64) -> Result<(), Error> {
         samples: 16,
         backend: args.backend.wanted(),
     };
-    let report = stills::run(&program, &options).map_err(Error::Bench)?;
-    Ok(print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    Ok(print_json(&stills::run(&this_program()?, &options)?)?)
 }

@@ -37,9 +37,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Error> {
     cli::restart_without_window_system();
     cli::make_folder(args.pictures.as_deref())?;
-    let Size { width, height } = args.size;
-    let options = shadow::ShadowBenchOptions { width, height, pictures: args.pictures.as_deref() };
+    let (size, pictures) = ([args.size.width, args.size.height], args.pictures.as_deref());
     let gpu = gpu::open()?;
-    measure(args.output.as_deref(), |progress| shadow::run(&gpu, options, progress))?;
-    Ok(())
+    measure(args.output.as_deref(), |progress| shadow::run(&gpu, size, pictures, progress)).map(drop)
 }

@@ -44,11 +44,10 @@ fn method(name: &str) -> Result<Method, serde_json::Error> {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     cli::restart_without_window_system();
-    let methods = if args.only.is_empty() { METHODS.to_vec() } else { args.only.clone() };
-    let options = solver::SolverBenchOptions { inputs_per_family: args.inputs, methods };
+    let methods = if args.only.is_empty() { &METHODS[..] } else { &args.only };
     // The CPU's figures are useful even without an adapter.
     let gpu = Gpu::new().ok();
-    let report = measure(args.output.as_deref(), |progress| solver::run(&options, gpu.as_ref(), progress))?;
+    let report = measure(args.output.as_deref(), |progress| solver::run(args.inputs, methods, gpu.as_ref(), progress))?;
     let (wrong, nan) = (report.ours.wrong, report.ours.nan);
     if wrong + nan > 0 { Err(Error::SolverWrong { wrong, nan }) } else { Ok(()) }
 }

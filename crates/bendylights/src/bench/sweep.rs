@@ -17,8 +17,8 @@ wider, between walls, in rooms and under roofs. Half of the poses are looked at 
 shadow and pixels are as wide as the texels of its map. Draws each pose by wgpu and by the processor and holds both to the
 reference. A pixel is judged where the reference says the same of all within 1.5 texels of a shadow map. Prints JSON, for
 each shape and backend:
-  poses, failed        how many; in those that failed less than half of what is seen is calm enough to be judged
-  calm, wrong          pixels judged, and those whose shadow is another
+  poses, failed        how many; in those that failed less than half of what is seen is stable enough to be judged
+  stable, wrong        pixels judged, and those whose shadow is another
   posesWrong, worst    poses with a wrong pixel, and the most in one
   radianceRmseP50      relative error of radiance over the other pixels, half of poses; radianceRmseMax the worst
   frameMsP50           milliseconds of a picture whose light is new, half of poses
@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Ok(sweep::SceneFile { name: name_of(scene), scene: loaded.scene, cameras: loaded.contents.cameras })
     };
     let options = sweep::SweepOptions {
-        poses: args.poses as usize,
+        poses: args.pose.map_or_else(|| (0..args.poses as usize).collect(), |pose| vec![pose]),
         seed: args.seed,
         resolution: args.shadow_resolution,
         size: [args.size.width, args.size.height],
@@ -74,9 +74,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
             .filter(|name| args.shape.is_empty() || args.shape.iter().any(|shape| shape == name))
             .collect(),
         scenes: args.scene.iter().map(file).collect::<Result<_, Error>>()?,
-        only: args.pose,
         pictures: args.pictures.clone(),
     };
-    measure(args.output.as_deref(), |progress| sweep::run(&options, progress))?;
-    Ok(())
+    measure(args.output.as_deref(), |progress| sweep::run(&options, progress)).map(drop)
 }

@@ -1,16 +1,32 @@
 //! Tests of bad input: exit code 2, one sentence on standard error that names the file, nothing on standard
 //! output, and no whole or partial picture left behind.
 
-use crate::program::{BENDY, Folder, SPOT, TRIANGLE, run, run_with_input};
+use crate::program::{self, BENDY, Folder, SPOT, TRIANGLE, run};
 
-/// Runs a command that must be refused with a sentence that contains all of `must_say`.
+/// Runs a command that must be refused without an answer, with a sentence that contains all of `must_say`.
 fn refused(args: &[&str], input: &str, must_say: &[&str]) {
-    let done = run_with_input(args, input);
-    assert_eq!((done.code, done.stdout.as_str()), (2, ""), "{args:?}: {}", done.stderr);
-    assert_eq!(done.stderr.lines().count(), 1, "{args:?}: {}", done.stderr);
-    assert!(done.stderr.starts_with("error: "), "{}", done.stderr);
-    for words in must_say {
-        assert!(done.stderr.contains(words), "{args:?}: `{words}` is missing from: {}", done.stderr);
+    assert_eq!(program::refused(args, input, must_say).stdout, "", "{args:?}");
+}
+
+/// Folder with a scene and a light.
+struct LitScene {
+    folder: Folder,
+    scene: String,
+    light: String,
+}
+
+impl LitScene {
+    fn new() -> Self {
+        let folder = Folder::new();
+        Self { scene: folder.file("scene.gltf", TRIANGLE), light: folder.file("light.json", BENDY), folder }
+    }
+
+    /// Renders with more options, which must be refused with a sentence that contains all of `must_say`.
+    fn refuses(&self, more: &[&str], must_say: &[&str]) {
+        let picture = self.folder.path("out.png");
+        let render = ["render", &self.scene, "--lights", &self.light, "-o", &picture];
+        refused(&[&render[..], more].concat(), "", must_say);
+        assert_eq!(self.folder.names(), ["light.json", "scene.gltf"]);
     }
 }
 
@@ -25,10 +41,7 @@ const BAD_LIGHTS: &[(&str, &str)] = &[
     (r#"{"type": "bendy", "points": [[0,0,0],[0,0,-1],[1,0,-1]], "radii": [5,5,5]}"#, "folds"),
     (r#"{"type": "bendy", "points": [[0,0,0],[0,0,0],[0,0,0]], "radii": [1,1,1]}"#, "one place"),
     (r#"{"type": "bendy", "points": [[0,0,0],[0,0,-1],[0,0,-2]], "radii": [1,1]}"#, "`radii` has 2 entries"),
-    (
-        r#"{"type": "bendy", "points": [[0,0,0],[0,0,-1],[0,0,-2]], "radii": [1,1,1], "gobo": 1}"#,
-        "field `gobo`",
-    ),
+    (r#"{"type": "bendy", "points": [[0,0,0],[0,0,-1],[0,0,-2]], "radii": [1,1,1], "gobo": 1}"#, "field `gobo`"),
     (r#"{"type": "bendy", "points": [[0,0,0],[0,0,-1],[0,0,"-2"]], "radii": [1,1,1]}"#, "points[2][2]: "),
     (r#"{"type": "laser"}"#, "`laser`"),
     (r#"{"type": "spot", "range": -1}"#, "range"),
@@ -118,14 +131,10 @@ fn a_bad_scene_leaves_no_picture() {
 
 #[test]
 fn a_name_that_is_not_there_is_refused_with_those_that_are() {
-    let folder = Folder::new();
-    let (scene, light) = (folder.file("scene.gltf", TRIANGLE), folder.file("light.json", BENDY));
-    let picture = folder.path("out.png");
-    let render = ["render", &scene, "--lights", &light, "-o", &picture];
-    refused(&[&render[..], &["--camera", "side"]].concat(), "", &[&scene, "`side`", "`front`"]);
-    refused(&[&render[..], &["--camera", "1"]].concat(), "", &[&scene, "`1`", "`front`"]);
-    refused(&[&render[..], &["--aov", "t", "--light", "rim"]].concat(), "", &[&light, "`rim`", "`key`"]);
-    assert_eq!(folder.names(), ["light.json", "scene.gltf"]);
+    let lit = LitScene::new();
+    lit.refuses(&["--camera", "side"], &[&lit.scene, "`side`", "`front`"]);
+    lit.refuses(&["--camera", "1"], &[&lit.scene, "`1`", "`front`"]);
+    lit.refuses(&["--aov", "t", "--light", "rim"], &[&lit.light, "`rim`", "`key`"]);
 }
 
 #[test]
@@ -145,10 +154,7 @@ fn a_picture_that_cannot_be_written_is_refused_before_any_work() {
 
 #[test]
 fn shadow_maps_that_cannot_be_are_refused() {
-    let folder = Folder::new();
-    let (scene, light) = (folder.file("scene.gltf", TRIANGLE), folder.file("light.json", BENDY));
-    let picture = folder.path("out.png");
-    let render = ["render", &scene, "--lights", &light, "-o", &picture];
+    let lit = LitScene::new();
     for (more, must_say) in [
         (["--shadow-resolution", "8"], "16 texels"),
         (["--shadow-resolution", "1000000"], "make it smaller"),
@@ -156,13 +162,11 @@ fn shadow_maps_that_cannot_be_are_refused() {
         (["--shadow-mesh-error", "NaN"], "world units"),
         (["--shadow-mesh-error", "inf"], "world units"),
     ] {
-        refused(&[&render[..], &more].concat(), "", &[must_say]);
+        lit.refuses(&more, &[must_say]);
     }
     for option in ["--shadow-resolution", "--shadow-mesh-error"] {
-        let of_reference = ["--backend", "reference", option, "64"];
-        refused(&[&render[..], &of_reference].concat(), "", &[option, "no shadow maps"]);
+        lit.refuses(&["--backend", "reference", option, "64"], &[option, "no shadow maps"]);
     }
-    assert_eq!(folder.names(), ["light.json", "scene.gltf"]);
 }
 
 #[test]

@@ -45,9 +45,7 @@ fn drags_are_measured_beside_the_papers() {
 #[test]
 fn the_log_is_measured() {
     let report = measured(&["bench", "log", "--edits", "30"]);
-    for (what, count) in
-        [("acknowledged", 30), ("acknowledgedOneAtATime", 30), ("undone", 30), ("replayed", 31)]
-    {
+    for (what, count) in [("acknowledged", 30), ("acknowledgedOneAtATime", 30), ("undone", 30), ("replayed", 31)] {
         assert_eq!(report[what]["count"], count, "{what}: {report}");
         assert!(report[what]["perSecond"].as_f64().is_some_and(|rate| rate > 0.0), "{report}");
     }
@@ -64,15 +62,12 @@ fn random_lights_are_swept_over() {
     let rows = report["rows"].as_array().expect("rows");
     let of: Vec<_> = rows.iter().map(|row| [&row["shape"], &row["backend"]].map(|x| x.as_str())).collect();
     let named = |shape, backend| [Some(shape), Some(backend)];
-    assert_eq!(
-        of,
-        [named("omni", "wgpu"), named("omni", "native"), named("spot", "wgpu"), named("spot", "native")]
-    );
+    assert_eq!(of, [named("omni", "wgpu"), named("omni", "native"), named("spot", "wgpu"), named("spot", "native")]);
     for row in rows {
         assert_eq!((&row["poses"], &row["wrong"]), (&2.into(), &0.into()), "{row}");
-        assert!(row["calm"].as_u64().is_some_and(|calm| calm > 100), "{row}");
+        assert!(row["stable"].as_u64().is_some_and(|stable| stable > 100), "{row}");
     }
-    assert_eq!(measured(&args)["rows"][0]["calm"], rows[0]["calm"]);
+    assert_eq!(measured(&args)["rows"][0]["stable"], rows[0]["stable"]);
 }
 
 /// Returns the faults of the report's drags on `backends`. `said` is the output of the servers, which names the
@@ -103,9 +98,7 @@ fn wrong_drags(report: &Value, said: &str, backends: &[&str]) -> Vec<String> {
             "/releaseToLosslessMs",
             "/frameBytesP50",
         ];
-        wrong.extend(
-            positive.iter().filter(|path| ms(path) <= Some(0.0)).map(|path| format!("{path} in {drag}")),
-        );
+        wrong.extend(positive.iter().filter(|path| ms(path) <= Some(0.0)).map(|path| format!("{path} in {drag}")));
         if ms("/editToDecodedMs/p50") < ms("/stagesMs/render/p50") {
             wrong.push(format!("a frame is there before it is drawn in {drag}"));
         }
@@ -146,8 +139,7 @@ fn a_session_is_measured_by_both_backends_and_beside_a_peer() {
     let folder = Folder::new();
     let peers = peers(&folder);
     let small = ["bench", "session", "--backend", "native", "--size", "64x36", "--updates", "10"];
-    let (report, said) =
-        measured_and_said(&[&small[..], &["--peers", &peers, "--python", "/bin/sh"]].concat());
+    let (report, said) = measured_and_said(&[&small[..], &["--peers", &peers, "--python", "/bin/sh"]].concat());
     assert_eq!(wrong_drags(&report, &said, &["native", "wgpu"]), [""; 0]);
     assert_eq!(report["scene"], "demo:vases");
     // The scene's light is bent already.
@@ -209,17 +201,14 @@ fn wrong_rows(report: &Value, names: &[&str]) -> Vec<String> {
             "/other/done",
         ];
         let is_positive = |path: &&str| number(path) > 0.0;
-        wrong
-            .extend(positive.iter().filter(|path| !is_positive(path)).map(|path| format!("{path} in {row}")));
+        wrong.extend(positive.iter().filter(|path| !is_positive(path)).map(|path| format!("{path} in {row}")));
         let alone = number("/alone/framesPerSecond").max(number("/aloneAfter/framesPerSecond"));
         let share = number("/with/framesPerSecond") / alone;
         if (share - number("/share")).abs() > 1e-9 {
             wrong.push(format!("the share is {share} in {row}"));
         }
-        let misses =
-            |bound: &str| row["missed"].as_array().is_some_and(|missed| missed.contains(&bound.into()));
-        if misses("share") == (share >= number("/leastShare"))
-            || misses("gap") == (number("/longestGapOfUsual") <= 4.0)
+        let misses = |bound: &str| row["missed"].as_array().is_some_and(|missed| missed.contains(&bound.into()));
+        if misses("share") == (share >= number("/leastShare")) || misses("gap") == (number("/longestGapOfUsual") <= 4.0)
         {
             wrong.push(format!("a bound is judged wrongly in {row}"));
         }

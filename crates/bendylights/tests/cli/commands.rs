@@ -5,22 +5,15 @@ use image::Rgba32FImage;
 use serde_json::{Value, json};
 
 use crate::exr_channels;
-use crate::program::{BENDY, Folder, SPOT, TRIANGLE, binary, run, run_with_input};
-
-/// Runs a command, which must succeed without output on standard error. Returns its answer.
-pub fn printed(args: &[&str], input: &str) -> String {
-    let done = run_with_input(args, input);
-    assert_eq!((done.code, done.stderr.as_str()), (0, ""), "{args:?}");
-    done.stdout
-}
+use crate::program::{BENDY, Folder, SPOT, TRIANGLE, binary, json_for, printed, printed_for, run};
 
 #[test]
 fn eval_prints_one_object_a_point() {
     let folder = Folder::new();
     let light = folder.file("light.json", BENDY);
     let points = folder.file("points.json", "[[0,0,-1],[0,0,1],[0.1,0,-1]]");
-    let text = printed(&["eval", &light, &points], "");
-    assert_eq!(printed(&["eval", &light], "[[0,0,-1],[0,0,1],[0.1,0,-1]]"), text, "from standard input");
+    let text = printed(&["eval", &light, &points]);
+    assert_eq!(printed_for(&["eval", &light], "[[0,0,-1],[0,0,1],[0.1,0,-1]]"), text, "from standard input");
     let lines: Vec<_> = text.lines().collect();
     assert_eq!(lines.len(), 3, "a line a point");
     // P(u) = (0, 0, -2 u); R(1/2) = (0.1 + 2 0.4 + 0.8) / 4 = 0.425. On the axis light arrives from +Z.
@@ -31,7 +24,7 @@ fn eval_prints_one_object_a_point() {
     assert_eq!(lines[1], r#" {"inside":false,"roots":[]},"#);
     let answers: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(answers[2]["t"], json!(0.5));
-    assert_eq!(printed(&["eval", &light], "[]"), "[]\n");
+    assert_eq!(printed_for(&["eval", &light], "[]"), "[]\n");
 }
 
 /// Two lights go from the left of the demo's blue vase to its right: one straight through it, one in an arc
@@ -43,14 +36,12 @@ fn eval_says_what_is_in_the_way() {
         let translation = [-2.0, 0.5, 0.25];
         let points = json!([[0, 0, 0], middle, [2.8, -0.2, 0.0]]);
         let transform = json!({ "translation": translation });
-        let light =
-            json!({ "type": "bendy", "points": points, "radii": [0.1, 0.1, 0.1], "transform": transform });
+        let light = json!({ "type": "bendy", "points": points, "radii": [0.1, 0.1, 0.1], "transform": transform });
         folder.file(name, light.to_string())
     };
     let eval = |light: &str, scene: &[&str]| -> Value {
         let points = "[[0.68, 0.306, 0.25], [0.658, 0.519, 0.25], [9, 9, 9]]";
-        let text = printed(&[&["eval", light], scene].concat(), points);
-        serde_json::from_str(&text).expect("JSON")
+        json_for(&[&["eval", light], scene].concat(), points)
     };
     let in_scene = ["--scene", "demo:vases"];
     let straight = eval(&light("straight.json", [1.4, -0.1, 0.0]), &in_scene);
@@ -66,7 +57,7 @@ fn eval_says_what_is_in_the_way() {
 fn bend_makes_the_cone_it_was_given() {
     let folder = Folder::new();
     let spot = folder.file("spot.json", SPOT);
-    let bent = printed(&["bend", &spot, "--segments", "3"], "");
+    let bent = printed(&["bend", &spot, "--segments", "3"]);
     let light: Value = serde_json::from_str(&bent).expect("JSON");
     assert_eq!(
         (&light["type"], &light["name"], &light["decay"]),
@@ -76,8 +67,7 @@ fn bend_makes_the_cone_it_was_given() {
 
     // A cone of 20 degrees and length 6 in 3 segments has t = 3 z / 6 and R = z tan 20.
     let bent = folder.file("bent.json", bent);
-    let answers: Value =
-        serde_json::from_str(&printed(&["eval", &bent], "[[0,0,-3],[0.5,0,-3],[0,1.2,-3]]")).expect("JSON");
+    let answers = json_for(&["eval", &bent], "[[0,0,-3],[0.5,0,-3],[0,1.2,-3]]");
     let radius = 3.0 * 20.0_f64.to_radians().tan();
     for i in 0..2 {
         let close = |field: &str, value: f64| {
@@ -102,7 +92,7 @@ fn bend_keeps_of_a_light_without_a_cone_what_lies_in_one() {
     let drawn = |lights: &str| {
         let picture = folder.path("out.exr");
         let size = ["--size", "64x48", "--fill", "0", "-o", &picture];
-        printed(&[&["render", &scene, "--lights", lights][..], &size].concat(), "");
+        printed(&[&["render", &scene, "--lights", lights][..], &size].concat());
         exr_channels::beauty(&picture)
     };
     // Returns the largest relative difference of two pictures near their middle, where the triangle is.
@@ -114,7 +104,7 @@ fn bend_keeps_of_a_light_without_a_cone_what_lies_in_one() {
     };
     let bent = |light: &str, options: &[&str]| {
         let file = folder.file("light.json", light);
-        let bent = printed(&[&["bend", &file][..], options].concat(), "");
+        let bent = printed(&[&["bend", &file][..], options].concat());
         let json: Value = serde_json::from_str(&bent).expect("JSON");
         assert_eq!(json["type"], "bendy");
         (drawn(&file), drawn(&folder.file("bent.json", bent)), json)
@@ -153,7 +143,7 @@ fn bend_keeps_of_a_light_without_a_cone_what_lies_in_one() {
 
 #[test]
 fn scenes_lists_the_demos() {
-    assert!(printed(&["scenes"], "").starts_with("demo:vases  "));
+    assert!(printed(&["scenes"]).starts_with("demo:vases  "));
 }
 
 #[test]
@@ -162,8 +152,7 @@ fn a_reader_that_goes_away_is_no_error() {
     let light = (light.file("light.json", BENDY), light);
     let points = format!("[{}[0,0,-1]]", "[0,0,-1],".repeat(20_000));
     let points = light.1.file("points.json", points);
-    let command =
-        format!("{} eval {} {points} | head -n 1; echo ${{PIPESTATUS[0]}}", binary().display(), light.0);
+    let command = format!("{} eval {} {points} | head -n 1; echo ${{PIPESTATUS[0]}}", binary().display(), light.0);
     let output = std::process::Command::new("bash").args(["-c", &command]).output().expect("bash");
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
     assert!(output.stdout.ends_with(b"\n0\n"));
@@ -173,13 +162,11 @@ fn a_reader_that_goes_away_is_no_error() {
 fn rendered(folder: &Folder, name: &str, more: &[&str]) -> String {
     let scene = folder.file("scene.gltf", TRIANGLE);
     // The light stands before the triangle and shines along -Z onto all of it.
-    let light =
-        BENDY.replace("\"name\"", "\"transform\": {\"translation\": [0, 0, 1], \"scale\": 3}, \"name\"");
+    let light = BENDY.replace("\"name\"", "\"transform\": {\"translation\": [0, 0, 1], \"scale\": 3}, \"name\"");
     let light = folder.file("light.json", light);
     let picture = folder.path(name);
-    let args =
-        [&["render", &scene, "--lights", &light, "--size", "64x48", "-o", &picture][..], more].concat();
-    assert_eq!(printed(&args, ""), "");
+    let args = [&["render", &scene, "--lights", &light, "--size", "64x48", "-o", &picture][..], more].concat();
+    assert_eq!(printed(&args), "");
     assert_eq!(folder.names(), ["light.json", name, "scene.gltf"], "the picture and nothing else");
     picture
 }
@@ -249,7 +236,7 @@ fn render_takes_the_fill_away() {
     let drawn = |backend: &str, fill: &str| {
         let picture = folder.path("out.exr");
         let render = ["render", "demo:vases", "--size", "96x54", "-o", &picture];
-        printed(&[&render[..], &["--backend", backend, "--fill", fill]].concat(), "");
+        printed(&[&render[..], &["--backend", backend, "--fill", fill]].concat());
         exr_channels::beauty(&picture)
     };
     let [gpu, reference] = ["gpu", "reference"].map(|backend| ["0", "1"].map(|fill| drawn(backend, fill)));
@@ -257,10 +244,7 @@ fn render_takes_the_fill_away() {
     for (x, y, [_, _, _, covered]) in gpu[0].enumerate_pixels().map(|(x, y, pixel)| (x, y, pixel.0)) {
         let at = |pictures: &[image::Rgba32FImage; 2]| {
             [0, 1, 2].map(|c| {
-                (
-                    pictures[0].get_pixel(x, y)[c],
-                    pictures[1].get_pixel(x, y)[c] - pictures[0].get_pixel(x, y)[c],
-                )
+                (pictures[0].get_pixel(x, y)[c], pictures[1].get_pixel(x, y)[c] - pictures[0].get_pixel(x, y)[c])
             })
         };
         let (ours, truth) = (at(&gpu), at(&reference));
@@ -285,14 +269,10 @@ fn render_says_how_far_it_is() {
     let folder = Folder::new();
     for backend in ["gpu", "reference"] {
         let picture = |name: &str| folder.path(&format!("{backend}-{name}.exr"));
-        let render =
-            |out: &str| format!("render demo:vases --size 160x90 --samples 16 --backend {backend} -o {out}");
+        let render = |out: &str| format!("render demo:vases --size 160x90 --samples 16 --backend {backend} -o {out}");
         let command = format!("{} {}", binary().display(), render(&picture("seen")));
         // `script` runs the command on a terminal and prints the terminal's output.
-        let seen = std::process::Command::new("script")
-            .args(["-qec", &command, "/dev/null"])
-            .output()
-            .expect("script");
+        let seen = std::process::Command::new("script").args(["-qec", &command, "/dev/null"]).output().expect("script");
         assert!(seen.status.success());
         let text = String::from_utf8_lossy(&seen.stdout);
         let percents: Vec<u32> =
@@ -301,7 +281,7 @@ fn render_says_how_far_it_is() {
         assert!(text.contains("s left"), "{backend}: {text:?}");
 
         let alone = render(&picture("unseen"));
-        assert_eq!(printed(&alone.split(' ').collect::<Vec<_>>(), ""), "", "nothing is written elsewhere");
+        assert_eq!(printed(&alone.split(' ').collect::<Vec<_>>()), "", "nothing is written elsewhere");
         let bytes = |name: &str| std::fs::read(picture(name)).expect("a picture");
         assert!(bytes("seen") == bytes("unseen"), "{backend}");
     }
@@ -322,11 +302,7 @@ fn render_writes_exr_with_the_values_themselves() {
     let types = exr_channels::types(&file);
     assert_eq!(types, [("A".into(), SampleType::F32), ("Z".into(), SampleType::F32)].into());
     let picture = exr_channels::picture(&file, ["Z", "Z", "Z", "A"]);
-    assert_eq!(
-        picture.get_pixel(0, 0).0,
-        [f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0],
-        "nothing is there"
-    );
+    assert_eq!(picture.get_pixel(0, 0).0, [f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0], "nothing is there");
     let depth = picture.get_pixel(32, 26)[0];
     // The plane lies 4 units before the camera. Depth is stored as 1 / z over a near plane of 0.1, in a float
     // of 24 bits: half a step is 4^2 / 0.1 * 2^-25.
@@ -339,8 +315,8 @@ fn render_puts_all_quantities_in_one_file() {
     let folder = Folder::new();
     let [all, png, exr] = ["all.exr", "one.png", "one.exr"].map(|name| folder.path(name));
     let size = ["render", "demo:vases", "--size", "96x54"];
-    printed(&[&size[..], &["--aov", "all", "-o", &all]].concat(), "");
-    printed(&[&size[..], &["-o", &png, "-o", &exr]].concat(), "");
+    printed(&[&size[..], &["--aov", "all", "-o", &all]].concat());
+    printed(&[&size[..], &["-o", &png, "-o", &exr]].concat());
     let file = exr_channels::open(&all);
     let types = exr_channels::types(&file);
     let floats = ["R", "G", "B", "A", "key.A", "Z", "P.X", "P.Y", "P.Z", "key.t", "key.v", "key.w"];
@@ -348,8 +324,7 @@ fn render_puts_all_quantities_in_one_file() {
     let of = |names: &[&str], kind| names.iter().map(|name| ((*name).to_owned(), kind)).collect::<Vec<_>>();
     let directions = ["key.direction.X", "key.direction.Y", "key.direction.Z"];
     let expected =
-        [of(&floats, SampleType::F32), of(&halves, SampleType::F16), of(&directions, SampleType::F16)]
-            .concat();
+        [of(&floats, SampleType::F32), of(&halves, SampleType::F16), of(&directions, SampleType::F16)].concat();
     assert_eq!(types, expected.into_iter().collect());
     assert!(exr_channels::picture(&file, ["R", "G", "B", "A"]) == exr_channels::beauty(&exr));
     // Position and depth agree: the matrix of the header transforms the position to its depth.
@@ -367,8 +342,7 @@ fn render_puts_all_quantities_in_one_file() {
     // The PNG comes from the same drawing: its tone mapping grows with the radiance.
     let (png, beauty) = (image::open(&png).expect("a PNG").into_rgb8(), exr_channels::beauty(&exr));
     let bright = |y: u32, x: u32| (beauty.get_pixel(x, y)[1], png.get_pixel(x, y)[1]);
-    let mut pixels: Vec<_> =
-        (0..54).flat_map(|y| (0..96).map(move |x| (y, x))).map(|(y, x)| bright(y, x)).collect();
+    let mut pixels: Vec<_> = (0..54).flat_map(|y| (0..96).map(move |x| (y, x))).map(|(y, x)| bright(y, x)).collect();
     pixels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (dark, light) = (pixels[pixels.len() / 4].1, pixels[3 * pixels.len() / 4].1);
     assert!(dark < light, "{dark} {light}");
@@ -393,8 +367,7 @@ fn render_draws_a_wireframe_of_the_shadow_map() {
     let scene = folder.path("scene.gltf");
     let truth = folder.path("truth.exr");
     let lights = folder.path("light.json");
-    let args =
-        ["render", &scene, "--lights", &lights, "--aov", "wireframe", "--backend", "reference", "-o", &truth];
+    let args = ["render", &scene, "--lights", &lights, "--aov", "wireframe", "--backend", "reference", "-o", &truth];
     let done = run(&args);
     assert_eq!(done.code, 2);
     assert!(done.stderr.contains("no shadow map"), "{}", done.stderr);

@@ -61,11 +61,7 @@ fn the_program_accepts_the_units_commands() {
     fs::create_dir(folder.path("bendylights-render")).expect("a folder");
     let done = run_unit(UNITS[0].1, &[]);
     assert_eq!(done.code, 2);
-    assert!(
-        done.stderr.starts_with(&format!("error: {state}/bendylights-render/room.glb: ")),
-        "{}",
-        done.stderr
-    );
+    assert!(done.stderr.starts_with(&format!("error: {state}/bendylights-render/room.glb: ")), "{}", done.stderr);
     // The server would run forever. A missing scene stops it after it has accepted its command line.
     let done = run_unit(UNITS[1].1, &["--scene", "nowhere.glb"]);
     assert_eq!(done.code, 2, "{}", done.stderr);
@@ -116,8 +112,5 @@ fn the_units_keep_compiled_shaders() {
 /// Counts the files under a folder.
 fn walk(folder: &Path) -> usize {
     let Ok(files) = fs::read_dir(folder) else { return 0 };
-    files
-        .map(|file| file.expect("a file").path())
-        .map(|path| if path.is_dir() { walk(&path) } else { 1 })
-        .sum()
+    files.map(|file| file.expect("a file").path()).map(|path| if path.is_dir() { walk(&path) } else { 1 }).sum()
 }

@@ -17,7 +17,7 @@
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 
-use crate::program::{Folder, run};
+use crate::program::{Folder, json_of};
 
 const EPS_F64: f64 = 1.0 / (1u64 << 52) as f64;
 const EPS_F32: f64 = 1.0 / (1u64 << 24) as f64;
@@ -147,11 +147,7 @@ fn disagreement(
         check("v", off("v"), bound * size_over_radius);
         check("w", off("w"), bound * size_over_radius);
         let largest = curve.radii.iter().copied().fold(0.0, f64::max);
-        check(
-            "radius",
-            off("radius"),
-            curve.scale * (radius_derivative.abs() * bound + 16.0 * eps * largest),
-        );
+        check("radius", off("radius"), curve.scale * (radius_derivative.abs() * bound + 16.0 * eps * largest));
         let turned = vector(&answer["direction"]).distance(vector(&expected[direction]));
         check("direction", turned, bound);
     }
@@ -161,9 +157,7 @@ fn disagreement(
 fn cases() -> Vec<Value> {
     let fixture: Value = serde_json::from_str(include_str!("fixtures/eval.json")).expect("the fixture");
     let cases = fixture["cases"].as_array().expect("cases").clone();
-    assert!(
-        cases.len() == 36 && cases.iter().all(|case| case["points"].as_array().expect("points").len() == 24)
-    );
+    assert!(cases.len() == 36 && cases.iter().all(|case| case["points"].as_array().expect("points").len() == 24));
     cases
 }
 
@@ -173,9 +167,7 @@ fn eval(folder: &Folder, case: &Value, direction: &str, on: &str) -> Value {
     light["direction"] = json!(direction);
     let light = folder.file("light.json", light.to_string());
     let points = folder.file("points.json", case["points"].to_string());
-    let done = run(&["eval", &light, &points, "--on", on]);
-    assert_eq!((done.code, done.stderr.as_str()), (0, ""));
-    serde_json::from_str(&done.stdout).expect("JSON")
+    json_of(&["eval", &light, &points, "--on", on])
 }
 
 /// Asserts that every case, with both directions, is within its bounds.
@@ -188,12 +180,7 @@ fn agrees(on: &str, eps: f64) {
             wrong.extend(disagreements(&case, &answers, &format!("direction_{direction}"), eps));
         }
     }
-    assert!(
-        wrong.is_empty(),
-        "{} answers on {on} lie outside their bounds:\n{}",
-        wrong.len(),
-        wrong.join("\n")
-    );
+    assert!(wrong.is_empty(), "{} answers on {on} lie outside their bounds:\n{}", wrong.len(), wrong.join("\n"));
 }
 
 #[test]
@@ -238,8 +225,5 @@ fn planted_faults_are_caught() {
     caught("a root too many", &|answer| answer["roots"] = json!([0.5, number(&answer["t"])]));
     caught("the next segment", &|answer| answer["segment"] = json!(2));
     caught("outside", &|answer| *answer = json!({"inside": false, "roots": []}));
-    assert!(
-        !disagreements(case, &right, "direction_path", EPS_F64).is_empty(),
-        "the two directions are told apart"
-    );
+    assert!(!disagreements(case, &right, "direction_path", EPS_F64).is_empty(), "the two directions are told apart");
 }

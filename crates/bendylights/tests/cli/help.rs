@@ -1,6 +1,6 @@
 //! Tests that `--help` has examples, and that README and docs show only existing commands and options.
 
-use crate::program::run;
+use crate::program::printed;
 
 const COMMANDS: [&str; 15] = [
     "render",
@@ -20,25 +20,17 @@ const COMMANDS: [&str; 15] = [
     "bench",
 ];
 
-fn help(args: &[&str]) -> String {
-    let done = run(args);
-    assert_eq!((done.code, done.stderr.as_str()), (0, ""));
-    done.stdout
-}
-
 #[test]
 fn help_names_every_command_and_shows_examples() {
-    let text = help(&["--help"]);
+    let text = printed(&["--help"]);
     for command in COMMANDS {
         assert!(text.contains(&format!("  {command} ")), "{command}");
-        assert!(help(&[command, "--help"]).contains("Usage: bendylights "), "{command}");
+        assert!(printed(&[command, "--help"]).contains("Usage: bendylights "), "{command}");
     }
-    for command in
-        ["render", "eval", "bend", "drag", "probe", "serve", "sessions", "export", "import", "replay"]
-    {
-        assert!(help(&[command, "--help"]).contains("Example"), "{command}");
+    for command in ["render", "eval", "bend", "drag", "probe", "serve", "sessions", "export", "import", "replay"] {
+        assert!(printed(&[command, "--help"]).contains("Example"), "{command}");
     }
-    assert!(help(&["--version"]).starts_with("bendylights 0."));
+    assert!(printed(&["--version"]).starts_with("bendylights 0."));
 }
 
 /// Returns the faults of the commands in `text`, each on a line that starts with `bendylights`.
@@ -52,8 +44,7 @@ fn unknown_words(text: &str) -> Vec<String> {
                 return vec![format!("{line}: no command {command}")];
             }
             let kind = words.clone().next().filter(|kind| command == "bench" && !kind.starts_with('-'));
-            let known =
-                help(&[Some(command), kind, Some("--help")].into_iter().flatten().collect::<Vec<_>>());
+            let known = printed(&[Some(command), kind, Some("--help")].into_iter().flatten().collect::<Vec<_>>());
             let options = words.filter(|word| word.starts_with('-') && word.len() > 1);
             let unknown = options.filter(|option| !known.contains(&format!("{option} ")));
             unknown.map(|option| format!("{line}: no option {option}")).collect()

@@ -5,17 +5,14 @@ use glam::DVec3;
 use light::Tube;
 use protocol::light_file;
 use reference::{LinkedNodes, Reference};
-use serde_json::Value;
 
-use crate::program::{Folder, TRIANGLE, run};
+use crate::program::{Folder, TRIANGLE, json_of, run};
 
 /// Returns the visibility of the light from each point of a list, as typed; `None` outside the light.
 fn visible(folder: &Folder, scene: &str, light: &str, points: &[String], more: &[&str]) -> Vec<Option<bool>> {
     let points = folder.file("points.json", format!("[{}]", points.join(",")));
-    let done = run(&[&["eval", light, &points, "--scene", scene], more].concat());
-    assert_eq!((done.code, done.stderr.as_str()), (0, ""));
-    let answers: Vec<Value> = serde_json::from_str(&done.stdout).expect("JSON");
-    answers.iter().map(|answer| answer["visible"].as_bool()).collect()
+    let answers = json_of(&[&["eval", light, &points, "--scene", scene], more].concat());
+    answers.as_array().expect("an array").iter().map(|answer| answer["visible"].as_bool()).collect()
 }
 
 /// Returns deterministic numbers from 0 to 1.
@@ -40,8 +37,7 @@ impl Demo {
         let points = (0..600).map(|_| {
             let triangle = &triangles[(random(&mut seed) * triangles.len() as f64) as usize];
             let (a, b) = (random(&mut seed).sqrt(), random(&mut seed));
-            triangle.position_at(DVec3::new(1.0 - a, a * (1.0 - b), a * b))
-                + reference.bvh.posed.origin_in_world
+            triangle.position_at(DVec3::new(1.0 - a, a * (1.0 - b), a * b)) + reference.bvh.posed.origin_in_world
         });
         let points = points.collect();
         Self { reference, tube: light.tube().expect("the demo's light is bent").clone(), points }
@@ -49,7 +45,7 @@ impl Demo {
 
     fn visible(&self, point: DVec3) -> Option<bool> {
         let place = self.tube.locate(point).point?;
-        Some(self.reference.occluding_node((&self.tube, &LinkedNodes::default()), &place, point).is_none())
+        Some(self.reference.occluding_node(&self.tube, &LinkedNodes::default(), &place, point).is_none())
     }
 
     /// Returns true if surface points within `distance` of `point` have different answers, as at an edge of a
@@ -118,9 +114,8 @@ fn a_thin_thing_before_the_point_shadows_it() {
     let points = cases.map(|(point, _)| point.to_owned());
     let found = visible(&folder, &scene, &light, &points, &[]);
     assert_eq!(found, cases.map(|(_, visible)| Some(visible)));
-    let within = |precision: &str| {
-        visible(&folder, &scene, &light, &["[0, 0, -0.0004]".into()], &["--precision", precision])
-    };
+    let within =
+        |precision: &str| visible(&folder, &scene, &light, &["[0, 0, -0.0004]".into()], &["--precision", precision]);
     assert_eq!((within("0.0005"), within("0.0003")), (vec![Some(true)], vec![Some(false)]));
 }
 
@@ -133,20 +128,16 @@ fn points_of_a_small_scene_under_a_long_light_keep_their_digits() {
     let light = r#"{"type": "bendy", "transform": {"translation": [4500, 9000, 4000]}, "radii": [1.2, 1.2, 1.2],
         "points": [[0, 0, 0], [-4000, -10000, -4000], [-10000, -16000, -8000]]}"#;
     let light = folder.file("light.json", light);
-    let mut points: Vec<_> =
-        (0..125).map(|k| [k % 5, k / 5 % 5, k / 25].map(|x| f64::from(x) * 0.4 - 0.8)).collect();
-    let located = |points: &[[f64; 3]], on: &str| -> Vec<Value> {
+    let mut points: Vec<_> = (0..125).map(|k| [k % 5, k / 5 % 5, k / 25].map(|x| f64::from(x) * 0.4 - 0.8)).collect();
+    let located = |points: &[[f64; 3]], on: &str| {
         let points = folder.file("points.json", serde_json::to_string(points).expect("numbers"));
-        let done = run(&["eval", &light, &points, "--on", on]);
-        assert_eq!((done.code, done.stderr.as_str()), (0, ""));
-        serde_json::from_str(&done.stdout).expect("JSON")
+        json_of(&["eval", &light, &points, "--on", on])
     };
     // In world units: across by the radius, along by the light's length.
     let worst = |points: &[[f64; 3]], on: &str| {
         let (found, exact) = (located(points, on), located(points, "f64"));
         let off = |i: usize, field: &str| Some(found[i][field].as_f64()? - exact[i][field].as_f64()?);
-        let apart =
-            (0..125).filter_map(|i| Some(off(i, "v")?.hypot(off(i, "w")?) * 1.2 + off(i, "t")?.abs() * 2e4));
+        let apart = (0..125).filter_map(|i| Some(off(i, "v")?.hypot(off(i, "w")?) * 1.2 + off(i, "t")?.abs() * 2e4));
         apart.reduce(f64::max).expect("points in the light")
     };
     let near = ["f32", "gpu"].map(|on| worst(&points, on));

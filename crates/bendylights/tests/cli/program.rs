@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// BendyLight of one segment, straight down -Z, whose radius grows from 0.1.
@@ -54,8 +55,7 @@ impl Folder {
     /// Returns the names of the files in the folder, sorted.
     pub fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.0.path()).expect("a folder");
-        let mut names: Vec<_> =
-            entries.map(|e| e.expect("an entry").file_name().display().to_string()).collect();
+        let mut names: Vec<_> = entries.map(|e| e.expect("an entry").file_name().display().to_string()).collect();
         names.sort();
         names
     }
@@ -85,11 +85,44 @@ pub fn run_with_input(args: &[&str], input: &str) -> Done {
     }
 }
 
+/// Runs a command, which must succeed without output on standard error. Returns its answer.
+pub fn printed(args: &[&str]) -> String {
+    printed_for(args, "")
+}
+
+/// Runs a command as [`printed`] does, with `input` on standard input.
+pub fn printed_for(args: &[&str], input: &str) -> String {
+    let done = run_with_input(args, input);
+    assert_eq!((done.code, done.stderr.as_str()), (0, ""), "{args:?}");
+    done.stdout
+}
+
+/// Runs a command as [`printed`] does. Returns its JSON.
+pub fn json_of(args: &[&str]) -> Value {
+    json_for(args, "")
+}
+
+/// Runs a command as [`printed_for`] does. Returns its JSON.
+pub fn json_for(args: &[&str], input: &str) -> Value {
+    serde_json::from_str(&printed_for(args, input)).expect("JSON")
+}
+
+/// Runs a command that must be refused with one sentence that contains all of `words`. Returns the run.
+pub fn refused(args: &[&str], input: &str, words: &[&str]) -> Done {
+    let done = run_with_input(args, input);
+    assert_eq!(done.code, 2, "{args:?}: {}", done.stderr);
+    assert_eq!(done.stderr.lines().count(), 1, "{args:?}: {}", done.stderr);
+    assert!(done.stderr.starts_with("error: "), "{}", done.stderr);
+    for words in words {
+        assert!(done.stderr.contains(words), "{args:?}: `{words}` is missing from: {}", done.stderr);
+    }
+    done
+}
+
 /// Removes the lines that depend on the machine: advice about an old driver, and progress of work that takes
 /// longer than a second there.
 fn without_advice(said: &str) -> String {
-    let is_progress =
-        |line: &str| line.split_once(" %").is_some_and(|(share, _)| share.parse::<u32>().is_ok());
+    let is_progress = |line: &str| line.split_once(" %").is_some_and(|(share, _)| share.parse::<u32>().is_ok());
     said.split_inclusive('\n').filter(|line| !line.starts_with("note: Mesa ") && !is_progress(line)).collect()
 }
 

@@ -19,8 +19,24 @@ fn status(host: &str, token: &str) -> String {
     answer.split(' ').nth(1).unwrap_or_default().to_owned()
 }
 
-/// Starts a server. Returns it, the address that it prints, and its standard error until it is ready.
-pub fn serve(args: &[&str]) -> (Child, String, String) {
+/// Server that is killed when dropped.
+pub struct Service {
+    child: Child,
+    /// Address that it prints.
+    address: String,
+    /// Standard error until it is ready.
+    said: String,
+}
+
+impl Drop for Service {
+    fn drop(&mut self) {
+        // A failure here must not hide that of the test.
+        let _ = (self.child.kill(), self.child.wait());
+    }
+}
+
+/// Starts a server, and waits until it is ready.
+pub fn serve(args: &[&str]) -> Service {
     let mut command = Command::new(binary());
     command.args(["serve", "--listen", "127.0.0.1:0"]).args(args).env_remove("RUST_LOG");
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary runs");
@@ -31,7 +47,7 @@ pub fn serve(args: &[&str]) -> (Child, String, String) {
     while !said.contains(" ready at ") {
         assert_ne!(stderr.read_line(&mut said).expect("text"), 0, "it has ended: {said}");
     }
-    (child, address.trim_end().to_owned(), said)
+    Service { child, address: address.trim_end().to_owned(), said }
 }
 
 /// Rules: HTTP-1
@@ -40,24 +56,21 @@ fn a_service_keeps_its_token_in_a_file_and_out_of_its_journal() {
     let folder = Folder::new();
     let (data, file) = (folder.path("data"), folder.path("token"));
     for round in 0..2 {
-        let (mut server, address, said) = serve(&["--data", &data, "--token-file", &file]);
+        let server = serve(&["--data", &data, "--token-file", &file]);
+        let (address, said) = (&server.address, &server.said);
         let token = fs::read_to_string(&file).expect("a token");
-        let host =
-            address.strip_prefix("http://").and_then(|rest| rest.strip_suffix('/')).expect("no token in it");
+        let host = address.strip_prefix("http://").and_then(|rest| rest.strip_suffix('/')).expect("no token in it");
         assert_eq!(
             said.lines().last().and_then(|line| line.split(" ready at ").nth(1)),
             Some(&*format!("http://{host}"))
         );
         assert!(!said.contains(&token) && !address.contains(&token), "{address}\n{said}");
         assert_eq!([status(host, &token), status(host, &"0".repeat(32))], ["200", "401"], "round {round}");
-        server.kill().expect("killed");
-        server.wait().expect("it ends");
     }
     assert!(!fs::exists(format!("{data}/token")).expect("a folder"), "there is one token");
     // Without the option the token is in the address, but not in the standard error.
-    let (mut server, address, said) = serve(&["--data", &data]);
+    let server = serve(&["--data", &data]);
+    let (address, said) = (&server.address, &server.said);
     let token = fs::read_to_string(format!("{data}/token")).expect("a token");
     assert!(address.ends_with(&format!("/#token={token}")) && !said.contains(&token), "{address}\n{said}");
-    server.kill().expect("killed");
-    server.wait().expect("it ends");
 }

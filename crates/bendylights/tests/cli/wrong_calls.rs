@@ -80,7 +80,7 @@ fn each_wrong_call_gets_its_sentence_and_exit_code() {
     assert!(calls.len() >= 80, "{} calls", calls.len());
     let mut table = String::from(
         "Wrong calls, each with its exit code and what is said, in a folder with a scene, light files and a log.\n\
-         2: whoever calls can mend it. 1: this machine stands in the way.\n\n",
+         2: the call is wrong and can be mended. 1: this machine prevents it.\n\n",
     );
     for call in calls {
         let entry = entry(&folder, call);
@@ -103,9 +103,7 @@ fn each_wrong_call_gets_its_sentence_and_exit_code() {
 #[test]
 fn with_json_a_failure_is_an_object() {
     let folder = folder();
-    for call in
-        [&["--json", "render", "nowhere.glb", "-o", "x.png"][..], &["render", "--size", "big", "--json"]]
-    {
+    for call in [&["--json", "render", "nowhere.glb", "-o", "x.png"][..], &["render", "--size", "big", "--json"]] {
         let done = run(call);
         let said: Value = serde_json::from_str(&done.stderr).expect("one object");
         assert_eq!((done.code, &said["error"]["exitCode"]), (2, &json!(2)), "{said}");

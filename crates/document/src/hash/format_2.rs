@@ -5,47 +5,25 @@
 //! that time has.
 
 use glam::DVec3;
-use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, RANGE, UP,
-};
+use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, RANGE, UP};
 use light::{Decay, DirectionMode, EndMode, FrameMode, Light, LightShape, ParameterOwner, Transform, Value};
 
 use super::HashWriter;
 
-/// Returns true if `owner` had a parameter of this name in formats 1 and 2.
+/// Returns true if `owner` had a parameter of this name in formats 1 and 2, which had no omni or directional lights.
 pub fn was_in_format_2(owner: ParameterOwner, name: &str) -> bool {
-    let names: &[&str] = match owner {
-        ParameterOwner::Spot => &[
-            "name",
-            "translation",
-            "rotation",
-            "scale",
-            "color",
-            "intensity",
-            "coneAngle",
-            "coneSoftness",
-            "range",
-            "decay",
-        ],
-        ParameterOwner::Bendy => &[
-            "name",
-            "translation",
-            "rotation",
-            "scale",
-            "up",
-            "coneAngle",
-            "coneSoftness",
-            "frame",
-            "direction",
-            "endMode",
-            "decay",
-        ],
-        ParameterOwner::Point => &["position", "radius", "color", "intensity"],
-        // Formats 1 and 2 had no such lights.
-        ParameterOwner::Directional | ParameterOwner::Omni => &[],
-        ParameterOwner::Camera => &["name", "translation", "rotation", "projection"],
+    use ParameterOwner::{Bendy, Camera, Point, Spot};
+    let owners: &[ParameterOwner] = match name {
+        "name" | "translation" | "rotation" => &[Spot, Bendy, Camera],
+        "scale" | "coneAngle" | "coneSoftness" | "decay" => &[Spot, Bendy],
+        "color" | "intensity" => &[Spot, Point],
+        "range" => &[Spot],
+        "up" | "frame" | "direction" | "endMode" => &[Bendy],
+        "position" | "radius" => &[Point],
+        "projection" => &[Camera],
+        _ => &[],
     };
-    names.contains(&name)
+    owners.contains(&owner)
 }
 
 /// Returns true if the hash of formats 1 and 2 covers all values of a light, because parameters that came later have
@@ -59,35 +37,21 @@ pub(super) fn covers(light: &Light) -> bool {
     let mut of_points = light::parameters_of(ParameterOwner::Point).iter();
     values.all(|(row, value)| is_covered(owner, row, Some(value)))
         && of_points.all(|row| {
-            light
-                .points()
-                .iter()
-                .all(|point| is_covered(ParameterOwner::Point, row, point.value(row).as_ref()))
+            light.points().iter().all(|point| is_covered(ParameterOwner::Point, row, point.value(row).as_ref()))
         })
 }
 
 impl HashWriter {
     pub(super) fn light(&mut self, light: &Light) {
         self.text(light.name());
-        match light.shape() {
-            LightShape::Bendy(_) => {
-                self.tag(0);
-                self.bendy(light);
-            }
-            LightShape::Spot => {
-                self.tag(1);
-                self.spot(light);
-            }
+        self.tag(match light.shape() {
+            LightShape::Bendy(_) => 0,
+            LightShape::Spot => 1,
             // Logs of these formats cannot contain such lights. Their hashes only have to differ.
-            LightShape::Directional => {
-                self.tag(2);
-                self.spot(light);
-            }
-            LightShape::Omni => {
-                self.tag(3);
-                self.spot(light);
-            }
-        }
+            LightShape::Directional => 2,
+            LightShape::Omni => 3,
+        });
+        if light.owner() == ParameterOwner::Bendy { self.bendy(light) } else { self.spot(light) }
     }
 
     fn bendy(&mut self, light: &Light) {

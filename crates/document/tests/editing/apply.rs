@@ -8,8 +8,7 @@ use light::parameters::{
 use light::{FrameMode, LightId, Parameter, Value};
 
 use crate::support::{
-    BENDY, EYE, ROOM, SPOT, checked, content, done, edit, eye, light_change, light_of, point_change, sample,
-    spot,
+    BENDY, EYE, ROOM, SPOT, checked, content, done, edit, eye, light_change, light_of, point_change, sample, spot,
 };
 
 fn radius(layout: u64, point: usize, old: f64, new: f64) -> Change {
@@ -40,11 +39,7 @@ fn a_change_from_another_value_is_refused() {
                 new: ControlPoints { layout: PointNumbering(9), ..other.clone() },
             },
             Change::Camera { camera: EYE, old: sound.then(eye), new: None },
-            Change::CameraParameter {
-                camera: EYE,
-                old: name(if sound { "eye" } else { "nose" }),
-                new: name("ear"),
-            },
+            Change::CameraParameter { camera: EYE, old: name(if sound { "eye" } else { "nose" }), new: name("ear") },
         ]
     };
     for (sound, unsound) in changes(true).into_iter().zip(changes(false)) {
@@ -76,7 +71,7 @@ fn changes_are_made_all_or_none() {
 ///
 /// Rules: CMD-2
 #[test]
-fn what_lies_between_two_changes_need_not_be_valid() {
+fn the_state_between_two_changes_need_not_be_valid() {
     let mut document = sample();
     let moved = |old: DVec3, new: DVec3| point_change(1, 2, POSITION, old, new);
     let (here, aside) = (DVec3::new(0.25, 0.0, -2.0), DVec3::new(6.0, 0.0, -1.0));

@@ -18,8 +18,7 @@ fn cameras_come_and_go_and_are_placed() {
     done(&mut document, &Command::AddCamera(plan()));
     assert_eq!(document.cameras()[&CameraId(5)], plan());
     let (translation, rotation) = (DVec3::new(4.0, 5.0, 6.0), DQuat::from_rotation_y(0.25));
-    let place =
-        Command::PlaceCamera { camera: EYE, translation: Some(translation), rotation: Some(rotation) };
+    let place = Command::PlaceCamera { camera: EYE, translation: Some(translation), rotation: Some(rotation) };
     assert_eq!(done(&mut document, &place).len(), 2);
     let expected = scene::Camera { translation, rotation, ..eye() };
     assert_eq!(document.cameras()[&EYE], expected);

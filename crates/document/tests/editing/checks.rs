@@ -8,8 +8,8 @@ use light::parameters::{CONE_ANGLE, NAME, POSITION, RADIUS};
 use light::{CheckedLight, Setting};
 
 use crate::support::{
-    BENDY, EYE, ROOM, SPOT, bendy, checked, edit, eye, find_scene, light_change, light_of, plan,
-    point_change, sample, spot,
+    BENDY, EYE, ROOM, SPOT, bendy, checked, edit, eye, find_scene, insert, light_change, light_of, plan, point_change,
+    sample, set_point, spot, take_back,
 };
 
 /// Counts the checks that `work` makes.
@@ -34,17 +34,13 @@ fn place(translation: DVec3) -> Command {
     Command::PlaceLight { light: BENDY, translation: Some(translation), rotation, scale }
 }
 
-fn insert(point: usize) -> Command {
-    Command::InsertPoint { light: BENDY, point, position: None, radius: None, color: None, intensity: None }
-}
-
 #[test]
 fn an_edit_of_a_light_checks_it_once() {
     for command in [
         set(CONE_ANGLE.to(40.0)),
         set(NAME.to("rim".into())),
         place(DVec3::ONE),
-        Command::SetPoint { light: BENDY, point: 1, setting: RADIUS.to(0.3) },
+        set_point(1, RADIUS.to(0.3)),
         insert(2),
         insert(5),
         Command::RemovePoint { light: BENDY, point: 2 },
@@ -55,7 +51,7 @@ fn an_edit_of_a_light_checks_it_once() {
 
 /// Lights of a command or a scene were checked when they were read.
 #[test]
-fn what_is_carried_whole_is_not_checked_again() {
+fn whole_lights_are_not_checked_again() {
     let added = Command::AddLight(checked(spot()));
     let unchanged = set(CONE_ANGLE.to(light_of(&sample(), SPOT).get(CONE_ANGLE)));
     for command in [
@@ -87,18 +83,15 @@ fn changes_check_each_light_once() {
     ];
     let mut document = sample();
     assert_eq!(checks(|| document.apply(&several).expect("valid changes")), 2);
-    let back: Vec<_> = several.iter().rev().map(Change::inverse).collect();
-    assert_eq!(checks(|| document.apply(&back).expect("what was done")), 2);
-    let removed = [
-        several[0].clone(),
-        Change::Light { light: BENDY, old: document.lights().get(&BENDY).cloned(), new: None },
-    ];
+    assert_eq!(checks(|| take_back(&mut document, &several)), 2);
+    let removed =
+        [several[0].clone(), Change::Light { light: BENDY, old: document.lights().get(&BENDY).cloned(), new: None }];
     assert_eq!(checks(|| document.apply(&removed).expect("valid changes")), 1, "what goes is not checked");
 }
 
 /// The other lights are shared.
 #[test]
-fn what_is_not_touched_is_shared() {
+fn untouched_lights_are_shared() {
     let before = sample();
     let after = edit(&before, &set(CONE_ANGLE.to(40.0))).expect("a valid command").document;
     let is_shared = |id| Arc::ptr_eq(&before.lights()[&id].light, &after.lights()[&id].light);
@@ -109,10 +102,9 @@ fn what_is_not_touched_is_shared() {
 #[test]
 fn a_check_by_hand_is_counted() {
     assert_eq!(checks(|| checked(bendy())), 1);
-    let fold =
-        || CheckedLight::new(bendy().map_points(|_, point| point.radius = 20.0)).expect_err("it folds");
+    let fold = || CheckedLight::new(bendy().map_points(|_, point| point.radius = 20.0)).expect_err("it folds");
     assert_eq!(checks(fold), 1);
-    let command = Command::SetPoint { light: BENDY, point: 3, setting: POSITION.to(DVec3::NEG_X * 3.0) };
+    let command = set_point(3, POSITION.to(DVec3::NEG_X * 3.0));
     let document = sample();
     assert_eq!(checks(|| edit(&document, &command).expect_err("it folds")), 1);
 }

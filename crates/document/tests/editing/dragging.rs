@@ -5,7 +5,7 @@ use glam::DVec3;
 use light::parameters::{POSITION, RADIUS};
 use light::{ControlPoint, LightError};
 
-use crate::support::{BENDY, SPOT, content, done, light_of, refused, sample};
+use crate::support::{BENDY, SPOT, content, done, light_of, refused, sample, set_point, take_back};
 
 /// Position that control point 3 of the sample's light cannot have.
 const PAST_THE_WALL: DVec3 = DVec3::new(-3.0, 0.0, -1.0);
@@ -24,19 +24,12 @@ fn fold(document: &Document) -> f64 {
     segments.into_iter().fold(0.0, f64::max)
 }
 
-/// Reverts `changes`.
-fn undo(document: &mut Document, changes: &[Change]) {
-    let back: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
-    document.apply(&back).expect("the changes just made");
-}
-
 /// Rules: CMD-14
 #[test]
 fn a_dragged_point_is_where_it_is_put_if_it_can_be() {
     let (mut dragged, mut set) = (sample(), sample());
     let position = DVec3::new(0.1, 0.2, -2.1);
-    let setting = POSITION.to(position);
-    let by_setting = done(&mut set, &Command::SetPoint { light: BENDY, point: 2, setting });
+    let by_setting = done(&mut set, &set_point(2, POSITION.to(position)));
     let by_dragging = done(&mut dragged, &drag(2, position, false));
     assert_eq!(by_dragging, by_setting);
     assert_eq!(describe_changes(&by_dragging, &dragged), "the position of control point 2 of “key”");
@@ -50,11 +43,8 @@ fn a_dragged_point_is_where_it_is_put_if_it_can_be() {
 fn a_dragged_point_slides_along_the_fold_limit() {
     let mut document = sample();
     let (hash, content_before, before) = (document.hash(), content(&document), points(&document));
-    let set = Command::SetPoint { light: BENDY, point: 3, setting: POSITION.to(PAST_THE_WALL) };
-    assert!(matches!(
-        refused(&document, &set),
-        EditError::InvalidLight { reason: LightError::Fold { .. }, .. }
-    ));
+    let set = refused(&document, &set_point(3, POSITION.to(PAST_THE_WALL)));
+    assert!(matches!(set, EditError::InvalidLight { reason: LightError::Fold { .. }, .. }));
     let changes = done(&mut document, &drag(3, PAST_THE_WALL, false));
     let [Change::Point { point: 3, parameter, .. }] = &changes[..] else { panic!("{changes:?}") };
     assert_eq!(*parameter, POSITION.row());
@@ -62,7 +52,7 @@ fn a_dragged_point_slides_along_the_fold_limit() {
     let [was, is] = [&before, &after].map(|points| points[3].position.distance(PAST_THE_WALL));
     assert!(is < was && is > 0.0, "as near as it can: {is} after {was}");
     assert!(fold(&document) < 1.0);
-    undo(&mut document, &changes);
+    take_back(&mut document, &changes);
     assert_eq!((document.hash(), content(&document)), (hash, content_before), "to the last bit");
 }
 
@@ -82,23 +72,19 @@ fn radii_follow_and_come_back() {
     let mut back = sample();
     done(&mut back, &drag(3, before[3].position, true));
     assert_eq!(points(&back), before);
-    undo(&mut document, &changes);
+    take_back(&mut document, &changes);
     assert_eq!(document.hash(), hash);
 }
 
 /// Rules: CMD-14, CMD-3, CMD-5, CMD-9
 #[test]
-fn what_cannot_be_dragged_is_refused_as_what_cannot_be_set() {
+fn drags_are_refused_like_settings() {
     let mut document = sample();
     for radii_follow in [false, true] {
-        for (point, position) in [
-            (0, DVec3::X),
-            (5, DVec3::X),
-            (2, DVec3::new(f64::NAN, 0.0, 0.0)),
-            (2, DVec3::splat(f64::INFINITY)),
-        ] {
-            let setting = POSITION.to(position);
-            let set = refused(&document, &Command::SetPoint { light: BENDY, point, setting });
+        for (point, position) in
+            [(0, DVec3::X), (5, DVec3::X), (2, DVec3::new(f64::NAN, 0.0, 0.0)), (2, DVec3::splat(f64::INFINITY))]
+        {
+            let set = refused(&document, &set_point(point, POSITION.to(position)));
             let dragged = refused(&document, &drag(point, position, radii_follow));
             assert_eq!(dragged.to_string(), set.to_string(), "{point}, {position}");
         }
@@ -116,7 +102,7 @@ fn what_cannot_be_dragged_is_refused_as_what_cannot_be_set() {
 fn radii_that_fold_nothing_stay() {
     let mut document = sample();
     for point in 0..5 {
-        done(&mut document, &Command::SetPoint { light: BENDY, point, setting: RADIUS.to(0.001) });
+        done(&mut document, &set_point(point, RADIUS.to(0.001)));
     }
     let before = points(&document);
     let changes = done(&mut document, &drag(2, DVec3::new(0.5, 0.0, -2.0), true));

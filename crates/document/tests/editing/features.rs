@@ -3,16 +3,16 @@
 use std::sync::{Arc, LazyLock};
 
 use document::{
-    Change, Command, CommandContext, CommandResult, Document, EditError, FeatureDrag, LightPin,
-    MAX_CHOSEN_POINTS, execute_command, solve_drag,
+    Change, Command, CommandContext, CommandResult, Document, EditError, FeatureDrag, LightPin, MAX_CHOSEN_POINTS,
+    execute_command, solve_drag,
 };
 use drag::{DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, RadiusMode, SOLVER, Viewport};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{LIGHT_LINK, POSITION, ROTATION, TRANSLATION};
-use light::{CheckedLight, Light, LightId, Links};
+use light::{CheckedLight, LightId, Links};
 use raycast::Bvh;
 
-use crate::support::done;
+use crate::support::{done, light_of, take_back};
 
 const LIGHT: LightId = LightId(1);
 
@@ -56,17 +56,12 @@ fn dragged(document: &Document, drag: &FeatureDrag) -> Result<CommandResult, Edi
     execute_command(document, &command, CommandContext { solved: Some(&solved), ..CommandContext::default() })
 }
 
-fn light_of(document: &Document) -> &Light {
-    document.lights()[&LIGHT].light.light()
-}
-
 /// Returns the lit point where a drag bends the light, so that a slightly violated pin is noticed.
 fn a_lit_point(document: &Document) -> DVec3 {
     let light = document.lights()[&LIGHT].light.tube().expect("a BendyLight").clone();
     let origin = DEMO.bvh.posed.origin_in_world;
     let mut seen = (0..640).step_by(20).filter_map(|x| {
-        let ray =
-            scene::ViewRay::new(&DEMO.view.camera, DEMO.view.size, DVec2::new(f64::from(x), 330.5), origin);
+        let ray = scene::ViewRay::new(&DEMO.view.camera, DEMO.view.size, DVec2::new(f64::from(x), 330.5), origin);
         DEMO.bvh.visible_point(&ray).map(|seen| seen.position + origin)
     });
     seen.find(|at| light.locate(*at).point.is_some()).expect("the light reaches the picture's lower rows")
@@ -76,8 +71,7 @@ fn a_lit_point(document: &Document) -> DVec3 {
 #[test]
 fn a_light_that_is_dragged_as_a_whole_is_placed_anew() {
     let before = document();
-    let CommandResult { changes, document: after, outcome } =
-        dragged(&before, &shadow(None, 45.0)).expect("it lands");
+    let CommandResult { changes, document: after, outcome } = dragged(&before, &shadow(None, 45.0)).expect("it lands");
     let outcome = outcome.expect("a drag has an outcome");
     assert_eq!((outcome.status, (outcome.solver.as_str(), outcome.version)), (DragStatus::Landed, SOLVER));
     assert!(outcome.residual_px <= 0.5 && outcome.pivot_world.is_some());
@@ -88,8 +82,7 @@ fn a_light_that_is_dragged_as_a_whole_is_placed_anew() {
     let mut replayed = before.clone();
     replayed.apply(&changes).expect("it fits");
     assert_eq!(replayed.hash(), after.hash());
-    let back: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
-    replayed.apply(&back).expect("it fits");
+    take_back(&mut replayed, &changes);
     assert_eq!(replayed.hash(), before.hash());
 }
 
@@ -101,7 +94,7 @@ fn a_light_that_is_bent_keeps_all_but_the_points_that_take_part() {
         dragged(&before, &shadow(Some(vec![2, 3, 4]), 45.0)).expect("it lands");
     let is_of_those = |change: &Change| matches!(change, Change::Point { point: 2..=4, parameter, .. } if *parameter == POSITION.row());
     assert!(!changes.is_empty() && changes.iter().all(is_of_those), "{changes:?}");
-    assert_eq!(light_of(&after).transform(), light_of(&before).transform());
+    assert_eq!(light_of(&after, LIGHT).transform(), light_of(&before, LIGHT).transform());
 }
 
 /// The result depends on the document and the cursor: a drag from the end of another drag gives another light.
@@ -119,7 +112,7 @@ fn the_same_drag_gives_the_same_light() {
 
 /// Rules: CMD-15, DRAG-4, CMD-1
 #[test]
-fn what_cannot_be_dragged_is_refused_and_says_why() {
+fn impossible_drags_are_refused_with_their_reason() {
     let before = document();
     let refused = |drag: &FeatureDrag| dragged(&before, drag).map(|_| ()).expect_err("refused");
     let not_dragged = |reason| EditError::DragRefused { light: before.light_name(LIGHT), reason };
@@ -208,16 +201,12 @@ fn pins_of_the_document_hold_and_are_named_by_their_ids() {
     };
     let began = direction(&before).expect("inside");
     // Outside the light there is no direction to keep.
-    let turned = |document: &Document| {
-        direction(document).map_or(f64::INFINITY, |now| now.angle_between(began).to_degrees())
-    };
+    let turned =
+        |document: &Document| direction(document).map_or(f64::INFINITY, |now| now.angle_between(began).to_degrees());
     assert!(turned(&free.document) > 0.2, "the planted fault: without the pin it turns");
     assert!(turned(&held.document) < 0.1, "{}", turned(&held.document));
     let status = held.outcome.expect("an outcome").status;
-    assert!(
-        status == DragStatus::Landed || status == DragStatus::Limited(DragLimit::Pin(id.0 as usize)),
-        "{status:?}"
-    );
+    assert!(status == DragStatus::Landed || status == DragStatus::Limited(DragLimit::Pin(id.0 as usize)), "{status:?}");
 
     // Pin whose condition does not hold.
     done(&mut before, &Command::SetPin { pin: id, is_hard: false });

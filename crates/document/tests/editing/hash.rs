@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use document::{CameraParameter, Command, Document, DocumentHash};
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
-    POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR, POINT_INTENSITY,
+    POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP,
 };
 use light::{Decay, DirectionMode, EndMode, FrameMode, LightId, Setting};
 use scene::Projection;
@@ -42,12 +42,8 @@ fn light_edits() -> Vec<Command> {
     for light in [BENDY, SPOT] {
         edits.extend(both.iter().map(|setting| Command::SetLight { light, setting: setting.clone() }));
     }
-    let of_bendy = [
-        UP.to(vector),
-        FRAME.to(FrameMode::Up),
-        DIRECTION.to(DirectionMode::Path),
-        END_MODE.to(EndMode::Extend),
-    ];
+    let of_bendy =
+        [UP.to(vector), FRAME.to(FrameMode::Up), DIRECTION.to(DirectionMode::Path), END_MODE.to(EndMode::Extend)];
     edits.extend(of_bendy.map(|setting| Command::SetLight { light: BENDY, setting }));
     let of_spot = [COLOR.to(vector), INTENSITY.to(7.0), RANGE.to(Some(9.0)), RANGE.to(Some(8.0))];
     edits.extend(of_spot.map(|setting| Command::SetLight { light: SPOT, setting }));
@@ -129,15 +125,8 @@ fn every_field_counts() {
 #[test]
 fn numbers_count_where_the_rest_is_the_same() {
     let mut renumbered = sample();
-    let insert = Command::InsertPoint {
-        light: BENDY,
-        point: 2,
-        position: Some(DVec3::new(0.125, 0.0, -1.5)),
-        radius: None,
-        color: None,
-        intensity: None,
-    };
-    done(&mut renumbered, &insert);
+    let (position, radius, color, intensity) = (Some(DVec3::new(0.125, 0.0, -1.5)), None, None, None);
+    done(&mut renumbered, &Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity });
     done(&mut renumbered, &Command::RemovePoint { light: BENDY, point: 2 });
     assert_eq!(light_of(&renumbered, BENDY), light_of(&sample(), BENDY));
     for hash in HASHES {

@@ -6,8 +6,8 @@ use document::{Document, NumberedLight, PointNumbering};
 use glam::{DQuat, DVec3};
 use light::parameters::{NAME, POSITION};
 use light::{
-    CheckedLight, ControlPoint, Light, Links, Parameter, ParameterKind, ParameterOf, ParameterOwner,
-    PeriodicCurve, Setting, Value, ValueType, parameters, parameters_of,
+    CheckedLight, ControlPoint, Light, Links, Parameter, ParameterKind, ParameterOf, ParameterOwner, PeriodicCurve,
+    Setting, Value, ValueType, parameters, parameters_of,
 };
 use sha2::{Digest, Sha256};
 
@@ -28,9 +28,7 @@ fn document_with(light: Light) -> Document {
 /// Returns a value that `parameter` may have, different from `now` and close to it.
 fn other_value(parameter: &Parameter, now: &Value) -> Value {
     let candidates: Vec<Value> = match now {
-        Value::Number(number) => {
-            [number * 0.5, number + 0.5, number + 1.0, number - 1.0].map(Value::Number).into()
-        }
+        Value::Number(number) => [number * 0.5, number + 0.5, number + 1.0, number - 1.0].map(Value::Number).into(),
         Value::Absent => {
             let links = Links::new(Vec::new(), vec!["table".into()]).map(Value::Links);
             let curve = PeriodicCurve::new(vec![[30.0, 0.5]]).map(Value::PeriodicCurve);
@@ -38,9 +36,7 @@ fn other_value(parameter: &Parameter, now: &Value) -> Value {
         }
         Value::Flag(flag) => vec![Value::Flag(!flag)],
         Value::Choice(_) => match parameter.kind {
-            ParameterKind::Choice(choices) => {
-                choices.iter().map(|choice| Value::Choice(choice.name)).collect()
-            }
+            ParameterKind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
             other => panic!("a choice of {other}"),
         },
         Value::Vector(vector) => vec![Value::Vector(*vector + DVec3::new(0.125, 0.0625, 0.03125))],
@@ -67,8 +63,7 @@ fn each_set(light: &Light, rows: &[&'static Parameter]) -> Vec<(String, Light)> 
         }
         let first = usize::from(**parameter == *POSITION);
         for (index, point) in light.points().iter().enumerate().skip(first) {
-            let Some(now) = parameter.for_owner(ParameterOwner::Point).and_then(|_| point.value(parameter))
-            else {
+            let Some(now) = parameter.for_owner(ParameterOwner::Point).and_then(|_| point.value(parameter)) else {
                 continue;
             };
             let setting = Setting { parameter, value: other_value(parameter, &now) };
@@ -94,8 +89,7 @@ fn every_row_of_the_table_counts() {
         for light in plain_lights() {
             let set = each_set(&light, rows);
             are_set += set.len();
-            let documents: Vec<_> =
-                set.into_iter().map(|(what, light)| (what, document_with(light))).collect();
+            let documents: Vec<_> = set.into_iter().map(|(what, light)| (what, document_with(light))).collect();
             all_differ(hash, &document_with(light), &documents);
         }
         // Each row of a light once for each shape, each row of a control point for all three points. The source stays.
@@ -126,7 +120,7 @@ fn a_default_leaves_no_trace() {
 ///
 /// Rules: DOC-4
 #[test]
-fn what_has_its_default_is_not_walked() {
+fn defaults_are_not_hashed() {
     let [spot, bendy, directional, omni] = plain_lights();
     let text = |text: &str| [&(text.len() as u64).to_le_bytes(), text.as_bytes()].concat();
     let reals = |reals: &[f64]| reals.iter().flat_map(|real| real.to_le_bytes()).collect::<Vec<_>>();
@@ -134,8 +128,7 @@ fn what_has_its_default_is_not_walked() {
     let radii: Vec<_> = bendy.points().iter().map(|point| point.radius).collect();
     let count = |points: u64| points.to_le_bytes().to_vec();
     let walked_spot = [vec![0], count(0)].concat();
-    let walked_bendy =
-        [vec![1], count(3), text("position"), reals(&positions), text("radius"), reals(&radii)].concat();
+    let walked_bendy = [vec![1], count(3), text("position"), reals(&positions), text("radius"), reals(&radii)].concat();
     let [walked_directional, walked_omni] = [4, 5].map(|number| [vec![number], count(0)].concat());
     for (light, walked) in
         [(spot, walked_spot), (bendy, walked_bendy), (directional, walked_directional), (omni, walked_omni)]

@@ -7,16 +7,7 @@ use glam::DVec3;
 use light::LightId;
 use light::parameters::RADIUS;
 
-use crate::support::{BENDY, bendy, checked, content, done, edit, eye, sample};
-
-fn take_back(document: &mut Document, changes: &[Change]) {
-    let inverses: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
-    document.apply(&inverses).expect("what was done can be taken back");
-}
-
-fn insert(point: usize) -> Command {
-    Command::InsertPoint { light: BENDY, point, position: None, radius: None, color: None, intensity: None }
-}
+use crate::support::{BENDY, bendy, checked, content, done, edit, eye, insert, place, sample, set_point, take_back};
 
 /// Rules: DOC-1
 #[test]
@@ -37,9 +28,8 @@ fn an_id_is_never_used_again() {
 fn a_restored_document_counts_on() {
     let mut document = sample();
     done(&mut document, &Command::RemoveLight(LightId(2)));
-    let restored = |last| {
-        Document::restore(None, document.lights().clone(), document.cameras().clone(), BTreeMap::new(), last)
-    };
+    let restored =
+        |last| Document::restore(None, document.lights().clone(), document.cameras().clone(), BTreeMap::new(), last);
     assert_eq!((restored(0).last_number(), restored(9).last_number()), (4, 9));
     assert_eq!((content(&restored(0)), restored(0).hash()), (content(&document), document.hash()));
     let mut later = restored(9);
@@ -53,12 +43,8 @@ fn a_layout_changes_with_the_numbering_and_comes_back_with_it() {
     let mut document = sample();
     let layout = |document: &Document| document.lights()[&BENDY].layout;
     let first = layout(&document);
-    let radius = RADIUS.to(0.3);
-    done(&mut document, &Command::SetPoint { light: BENDY, point: 1, setting: radius });
-    done(
-        &mut document,
-        &Command::PlaceLight { light: BENDY, translation: Some(DVec3::ONE), rotation: None, scale: None },
-    );
+    done(&mut document, &set_point(1, RADIUS.to(0.3)));
+    done(&mut document, &place(BENDY, DVec3::ONE));
     assert_eq!(layout(&document), first, "nothing was renumbered");
 
     let inserted = done(&mut document, &insert(2));
@@ -89,12 +75,7 @@ fn numbers_past_what_json_keeps_are_refused() {
     }
     document.apply(&[add(largest)]).expect("the largest");
     edit(&document, &Command::AddCamera(eye())).expect_err("no number is left");
-    let none_left = Document::restore(
-        None,
-        document.lights().clone(),
-        document.cameras().clone(),
-        BTreeMap::new(),
-        u64::MAX,
-    );
+    let none_left =
+        Document::restore(None, document.lights().clone(), document.cameras().clone(), BTreeMap::new(), u64::MAX);
     edit(&none_left, &Command::AddCamera(eye())).expect_err("no number is left");
 }

@@ -3,8 +3,8 @@
 use document::{Change, Command, EditError, MAX_LIGHTS};
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, RANGE, ROTATION,
-    SCALE, TRANSLATION, UP,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, RANGE, ROTATION, SCALE,
+    TRANSLATION, UP,
 };
 use light::{Decay, DirectionMode, EndMode, FrameMode, LightId, MAX_NAME_BYTES, Setting, Transform};
 
@@ -29,8 +29,7 @@ fn lights_come_and_go() {
 fn placing_a_light_changes_what_is_given_and_no_more() {
     let mut document = sample();
     let (translation, rotation) = (DVec3::new(1.0, 2.0, 3.0), DQuat::from_rotation_x(0.5));
-    let place =
-        |translation, rotation, scale| Command::PlaceLight { light: BENDY, translation, rotation, scale };
+    let place = |translation, rotation, scale| Command::PlaceLight { light: BENDY, translation, rotation, scale };
     let changes = done(&mut document, &place(Some(translation), None, Some(2.0)));
     assert_eq!(changes.len(), 2, "a change each, so that each can be taken back alone");
     let there = Transform { translation, rotation: DQuat::IDENTITY, scale: 2.0 };
@@ -42,7 +41,7 @@ fn placing_a_light_changes_what_is_given_and_no_more() {
 
 /// Rules: CMD-4
 #[test]
-fn what_is_so_already_is_no_change() {
+fn a_present_value_is_no_change() {
     let mut document = sample();
     let none = [DVec3::ZERO, DVec3::new(-0.0, 0.0, -0.0)].map(|translation| Command::PlaceLight {
         light: BENDY,
@@ -77,12 +76,9 @@ fn every_parameter_of_a_light_can_be_set() {
         set(BENDY, setting);
         set(SPOT, setting);
     }
-    for setting in [
-        UP.to(vector),
-        FRAME.to(FrameMode::Up),
-        DIRECTION.to(DirectionMode::Path),
-        END_MODE.to(EndMode::Extend),
-    ] {
+    for setting in
+        [UP.to(vector), FRAME.to(FrameMode::Up), DIRECTION.to(DirectionMode::Path), END_MODE.to(EndMode::Extend)]
+    {
         set(BENDY, &setting);
     }
     for setting in [COLOR.to(vector), INTENSITY.to(7.0), RANGE.to(Some(9.0))] {

@@ -7,7 +7,7 @@ use light::LightId;
 use light::parameters::NAME;
 use scene::MAX_PATH_BYTES;
 
-use crate::support::{BENDY, ROOM, SPOT, done, refused, sample};
+use crate::support::{BENDY, ROOM, SPOT, checked, done, refused, sample, spot, take_back};
 
 fn pin(light: LightId, kind: PinKind) -> LightPin {
     let at = DVec3::new(1.0, -0.25, 3.5);
@@ -18,11 +18,6 @@ fn added(document: &mut Document, light: LightId) -> PinId {
     let changes = done(document, &Command::AddPin(pin(light, PinKind::Shadow)));
     let [Change::Pin { pin, old: None, new: Some(_) }] = changes[..] else { panic!("{changes:?}") };
     pin
-}
-
-fn take_back(document: &mut Document, changes: &[Change]) {
-    let back: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
-    document.apply(&back).expect("the changes just made");
 }
 
 /// Rules: DOC-1, DOC-4, DOC-6, CMD-1
@@ -39,10 +34,7 @@ fn a_pin_comes_changes_and_goes() {
     take_back(&mut document, &soft);
     assert_eq!(document.hash(), with);
     let gone = done(&mut document, &Command::RemovePin(id));
-    assert_eq!(
-        (document.hash(), describe_changes(&gone, &document)),
-        (before, "removing a pin of “key”".to_owned())
-    );
+    assert_eq!((document.hash(), describe_changes(&gone, &document)), (before, "removing a pin of “key”".to_owned()));
     let other = added(&mut document, BENDY);
     assert!(other > id, "no number is used twice");
 }
@@ -99,7 +91,7 @@ fn pins_go_with_their_light_and_come_back_with_it() {
 #[test]
 fn a_pin_outlives_a_light_that_was_taken_back() {
     let mut document = sample();
-    let addition = done(&mut document, &Command::AddLight(crate::support::checked(crate::support::spot())));
+    let addition = done(&mut document, &Command::AddLight(checked(spot())));
     let light = addition[0].light().expect("a light");
     let id = added(&mut document, light);
     let hash = document.hash();
@@ -112,7 +104,7 @@ fn a_pin_outlives_a_light_that_was_taken_back() {
 
 /// Rules: CMD-1, DOC-6
 #[test]
-fn what_cannot_be_pinned_is_refused() {
+fn invalid_pins_are_refused() {
     let mut document = sample();
     let nobodys = LightId(99);
     assert_eq!(refused(&document, &Command::AddPin(pin(nobodys, PinKind::Lit))), EditError::NoLight(nobodys));

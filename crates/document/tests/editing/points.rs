@@ -3,16 +3,12 @@
 use document::{Change, Command, EditError};
 use glam::DVec3;
 use light::parameters::{POINT_COLOR, POINT_INTENSITY, POSITION, RADIUS};
-use light::{ControlPoint, LightError, Setting};
+use light::{ControlPoint, LightError};
 
-use crate::support::{BENDY, SPOT, done, light_of, refused, sample};
+use crate::support::{BENDY, SPOT, done, insert, light_of, refused, sample, set_point};
 
-fn set(point: usize, setting: Setting) -> Command {
-    Command::SetPoint { light: BENDY, point, setting }
-}
-
-fn insert(point: usize) -> Command {
-    Command::InsertPoint { light: BENDY, point, position: None, radius: None, color: None, intensity: None }
+fn remove(point: usize) -> Command {
+    Command::RemovePoint { light: BENDY, point }
 }
 
 /// Rules: REC-2, DOC-2
@@ -23,7 +19,7 @@ fn a_control_point_takes_values_one_by_one() {
     let (position, color) = (DVec3::new(0.1, 0.2, -2.1), DVec3::new(0.3, 0.2, 0.1));
     for setting in [POSITION.to(position), RADIUS.to(0.3), POINT_COLOR.to(color), POINT_INTENSITY.to(3.0)] {
         let layout = document.lights()[&BENDY].layout;
-        let changes = done(&mut document, &set(2, setting.clone()));
+        let changes = done(&mut document, &set_point(2, setting.clone()));
         let [Change::Point { layout: counted_in, point: 2, parameter, new, .. }] = &changes[..] else {
             panic!("{changes:?}")
         };
@@ -41,10 +37,10 @@ fn a_control_point_takes_values_one_by_one() {
 fn the_source_keeps_its_place_but_not_its_radius() {
     let mut document = sample();
     let position = POSITION.to(DVec3::new(0.1, 0.0, 0.0));
-    assert_eq!(refused(&document, &set(0, position)), EditError::Source);
-    assert_eq!(refused(&document, &insert(0)), EditError::Source);
-    assert_eq!(refused(&document, &Command::RemovePoint { light: BENDY, point: 0 }), EditError::Source);
-    done(&mut document, &set(0, RADIUS.to(0.2)));
+    for command in [set_point(0, position), insert(0), remove(0)] {
+        assert_eq!(refused(&document, &command), EditError::Source, "{command:?}");
+    }
+    done(&mut document, &set_point(0, RADIUS.to(0.2)));
     assert_eq!(light_of(&document, BENDY).points()[0].radius, 0.2);
 }
 
@@ -53,9 +49,9 @@ fn the_source_keeps_its_place_but_not_its_radius() {
 fn points_that_are_not_there_are_refused() {
     let document = sample();
     let none = |point| EditError::NoPoint { light: "“key”".into(), point, count: 5 };
-    assert_eq!(refused(&document, &set(5, RADIUS.to(0.1))), none(5));
+    assert_eq!(refused(&document, &set_point(5, RADIUS.to(0.1))), none(5));
     assert_eq!(refused(&document, &insert(6)), none(6));
-    assert_eq!(refused(&document, &Command::RemovePoint { light: BENDY, point: 5 }), none(5));
+    assert_eq!(refused(&document, &remove(5)), none(5));
     let of_spot = Command::RemovePoint { light: SPOT, point: 1 };
     assert!(matches!(refused(&document, &of_spot), EditError::WrongKind { kind: "spotlight", .. }));
 }
@@ -86,8 +82,7 @@ fn a_point_with_a_position_takes_the_rest_from_its_neighbours() {
     let mut document = sample();
     let before = light_of(&document, BENDY).points().to_vec();
     let position = Some(DVec3::new(0.375, 0.0625, -2.5));
-    let command =
-        Command::InsertPoint { light: BENDY, point: 3, position, radius: None, color: None, intensity: None };
+    let command = Command::InsertPoint { light: BENDY, point: 3, position, radius: None, color: None, intensity: None };
     done(&mut document, &command);
     let after = light_of(&document, BENDY).points();
     assert_eq!((after[3].radius, after[3].intensity), (0.4375, 6.0));
@@ -112,7 +107,7 @@ fn a_point_past_the_last_goes_as_far_again() {
 #[test]
 fn a_radius_past_the_last_stops_at_nothing() {
     let mut document = sample();
-    done(&mut document, &set(4, RADIUS.to(0.125)));
+    done(&mut document, &set_point(4, RADIUS.to(0.125)));
     done(&mut document, &insert(5));
     assert_eq!(light_of(&document, BENDY).points()[5].radius, 0.0);
 }
@@ -122,18 +117,9 @@ fn a_radius_past_the_last_stops_at_nothing() {
 fn a_point_takes_what_it_is_given() {
     let mut document = sample();
     let (position, color) = (DVec3::new(0.2, 0.0, -1.5), DVec3::new(0.1, 0.2, 0.3));
-    done(
-        &mut document,
-        &Command::InsertPoint {
-            light: BENDY,
-            point: 2,
-            position: Some(position),
-            radius: Some(0.3),
-            color: Some(color),
-            intensity: Some(5.0),
-        },
-    );
     let given = ControlPoint { position, radius: 0.3, color, intensity: 5.0 };
+    let (position, radius, color, intensity) = (Some(position), Some(0.3), Some(color), Some(5.0));
+    done(&mut document, &Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity });
     assert_eq!(light_of(&document, BENDY).points()[2], given);
 }
 
@@ -142,10 +128,10 @@ fn a_point_takes_what_it_is_given() {
 fn points_can_be_removed_down_to_three() {
     let mut document = sample();
     let before = light_of(&document, BENDY).points().to_vec();
-    done(&mut document, &Command::RemovePoint { light: BENDY, point: 2 });
+    done(&mut document, &remove(2));
     assert_eq!(light_of(&document, BENDY).points(), [before[0], before[1], before[3], before[4]]);
-    done(&mut document, &Command::RemovePoint { light: BENDY, point: 3 });
-    let error = refused(&document, &Command::RemovePoint { light: BENDY, point: 1 });
+    done(&mut document, &remove(3));
+    let error = refused(&document, &remove(1));
     assert!(matches!(error, EditError::InvalidLight { .. }), "a curve has three: {error}");
 }
 
@@ -153,10 +139,10 @@ fn points_can_be_removed_down_to_three() {
 #[test]
 fn a_tube_that_folds_is_refused() {
     let mut document = sample();
-    let fold = refused(&document, &set(2, RADIUS.to(20.0)));
+    let fold = refused(&document, &set_point(2, RADIUS.to(20.0)));
     assert!(matches!(fold, EditError::InvalidLight { reason: LightError::Fold { .. }, .. }), "{fold}");
-    let sharp = set(3, POSITION.to(DVec3::new(-3.0, 0.0, -1.0)));
+    let sharp = set_point(3, POSITION.to(DVec3::new(-3.0, 0.0, -1.0)));
     assert!(matches!(refused(&document, &sharp), EditError::InvalidLight { .. }));
-    assert!(matches!(refused(&document, &set(2, RADIUS.to(-1.0))), EditError::InvalidLight { .. }));
-    done(&mut document, &set(2, RADIUS.to(0.4)));
+    assert!(matches!(refused(&document, &set_point(2, RADIUS.to(-1.0))), EditError::InvalidLight { .. }));
+    done(&mut document, &set_point(2, RADIUS.to(0.4)));
 }

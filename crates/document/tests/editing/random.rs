@@ -6,8 +6,8 @@ use document::{AssetHash, CameraId, CameraParameter, Command, Document, FeatureD
 use drag::{DragPin, Feature, PinKind, RadiusMode, Viewport};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, HEIGHT, INTENSITY, NAME,
-    POINT_COLOR, POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP, WIDTH,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, HEIGHT, INTENSITY, NAME, POINT_COLOR,
+    POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP, WIDTH,
 };
 use light::{CheckedLight, Decay, DirectionMode, EndMode, FrameMode, Light, LightId, Setting};
 use proptest::collection::vec;
@@ -19,10 +19,8 @@ use scene::{Camera, Projection};
 pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
     let light = || (0..8_u64).prop_map(LightId);
     let camera = || (0..8_u64).prop_map(CameraId);
-    let load = move |index: usize| Command::LoadScene {
-        asset: scenes[index % scenes.len()],
-        name: format!("scene {index}"),
-    };
+    let load =
+        move |index: usize| Command::LoadScene { asset: scenes[index % scenes.len()], name: format!("scene {index}") };
     let place_light = (light(), option(vector()), option(rotation()), option(positive()));
     let place_camera = (camera(), option(vector()), option(rotation()));
     let insert = (light(), 0..8_usize, option(vector()), option(small()), option(color()), option(small()));
@@ -83,9 +81,7 @@ pub fn with_existing_ids(mut command: Command, document: &Document) -> Command {
         | Command::StraightenLight(light) => {
             *light = *lights.get(light.0 as usize % lights.len().max(1)).unwrap_or(light);
         }
-        Command::RemoveCamera(camera)
-        | Command::PlaceCamera { camera, .. }
-        | Command::SetCamera { camera, .. } => {
+        Command::RemoveCamera(camera) | Command::PlaceCamera { camera, .. } | Command::SetCamera { camera, .. } => {
             *camera = *cameras.get(camera.0 as usize % cameras.len().max(1)).unwrap_or(camera);
         }
         Command::RemovePin(pin) | Command::SetPin { pin, .. } => {
@@ -98,12 +94,8 @@ pub fn with_existing_ids(mut command: Command, document: &Document) -> Command {
 
 /// Generates drags of a feature. Its solution is not available here, so a document refuses it.
 fn feature_drag() -> impl Strategy<Value = FeatureDrag> {
-    let feature = prop_oneof![
-        Just(Feature::Shadow),
-        Just(Feature::Hotspot),
-        Just(Feature::Highlight),
-        Just(Feature::Diffuse)
-    ];
+    let feature =
+        prop_oneof![Just(Feature::Shadow), Just(Feature::Hotspot), Just(Feature::Highlight), Just(Feature::Diffuse)];
     let radii = prop_oneof![Just(RadiusMode::Keep), Just(RadiusMode::Solve), Just(RadiusMode::Follow)];
     let view = (any_camera(), [1..4096_u32, 1..4096]).prop_map(|(camera, size)| Viewport { camera, size });
     let way = [-1.0..4096.0, -1.0..4096.0, -1.0..4096.0, -1.0..4096.0];
@@ -116,18 +108,10 @@ fn feature_drag() -> impl Strategy<Value = FeatureDrag> {
 }
 
 fn pin() -> impl Strategy<Value = DragPin> {
-    let kind = prop_oneof![
-        Just(PinKind::Direction),
-        Just(PinKind::Lit),
-        Just(PinKind::Shadowed),
-        Just(PinKind::Shadow)
-    ];
-    (kind, vector(), option(name()), any::<bool>()).prop_map(|(kind, at, caster, is_hard)| DragPin {
-        kind,
-        at,
-        caster,
-        is_hard,
-    })
+    let kind =
+        prop_oneof![Just(PinKind::Direction), Just(PinKind::Lit), Just(PinKind::Shadowed), Just(PinKind::Shadow)];
+    let fields = (kind, vector(), option(name()), any::<bool>());
+    fields.prop_map(|(kind, at, caster, is_hard)| DragPin { kind, at, caster, is_hard })
 }
 
 fn option<T: std::fmt::Debug>(value: impl Strategy<Value = T>) -> impl Strategy<Value = Option<T>> {
@@ -177,18 +161,16 @@ fn any_light() -> impl Strategy<Value = Arc<CheckedLight>> {
         let radii = std::iter::once(0.1).chain(steps.iter().map(|step| step.2)).collect();
         Light::bendy(points, radii)
     });
-    let spot = (color(), option(positive()))
-        .prop_map(|(color, range)| Light::spot().with(COLOR, color).with(RANGE, range));
-    let omni = (color(), option(positive()))
-        .prop_map(|(color, range)| Light::omni().with(COLOR, color).with(RANGE, range));
+    let with_range = |light: fn() -> Light| {
+        let fields = (color(), option(positive()));
+        fields.prop_map(move |(color, range)| light().with(COLOR, color).with(RANGE, range))
+    };
     let directional = (color(), option(positive()), option(positive())).prop_map(|(color, width, height)| {
         Light::directional().with(COLOR, color).with(WIDTH, width).with(HEIGHT, height)
     });
-    let shapes =
-        prop_oneof![3 => bendy.boxed(), 1 => spot.boxed(), 1 => omni.boxed(), 1 => directional.boxed()];
-    (name(), shapes).prop_filter_map("folds", |(name, light)| {
-        CheckedLight::new(light.with(NAME, name)).ok().map(Arc::new)
-    })
+    let shapes = prop_oneof![3 => bendy.boxed(), 1 => with_range(Light::spot).boxed(), 1 => with_range(Light::omni).boxed(), 1 => directional.boxed()];
+    (name(), shapes)
+        .prop_filter_map("folds", |(name, light)| CheckedLight::new(light.with(NAME, name)).ok().map(Arc::new))
 }
 
 fn light_parameter() -> impl Strategy<Value = Setting> {
@@ -202,10 +184,8 @@ fn light_parameter() -> impl Strategy<Value = Setting> {
         prop_oneof![Just(Decay::None), Just(Decay::Linear), Just(Decay::InverseSquare)]
             .prop_map(|decay| DECAY.to(decay)),
         vector().prop_map(|up| UP.to(up)),
-        prop_oneof![Just(FrameMode::RotationMinimizing), Just(FrameMode::Up)]
-            .prop_map(|frame| FRAME.to(frame)),
-        prop_oneof![Just(DirectionMode::Tube), Just(DirectionMode::Path)]
-            .prop_map(|towards| DIRECTION.to(towards)),
+        prop_oneof![Just(FrameMode::RotationMinimizing), Just(FrameMode::Up)].prop_map(|frame| FRAME.to(frame)),
+        prop_oneof![Just(DirectionMode::Tube), Just(DirectionMode::Path)].prop_map(|towards| DIRECTION.to(towards)),
         prop_oneof![Just(EndMode::Cut), Just(EndMode::Extend)].prop_map(|end| END_MODE.to(end)),
         color().prop_map(|color| COLOR.to(color)),
         real().prop_map(|intensity| INTENSITY.to(intensity)),
@@ -226,9 +206,8 @@ fn point_parameter() -> impl Strategy<Value = Setting> {
 
 fn projection() -> impl Strategy<Value = Projection> {
     prop_oneof![
-        (0.1..3.0, option(0.1..9.0), 0.1..1.0, option(1.0..9.0)).prop_map(
-            |(yfov, aspect_ratio, znear, zfar)| Projection::Perspective { yfov, aspect_ratio, znear, zfar }
-        ),
+        (0.1..3.0, option(0.1..9.0), 0.1..1.0, option(1.0..9.0))
+            .prop_map(|(yfov, aspect_ratio, znear, zfar)| Projection::Perspective { yfov, aspect_ratio, znear, zfar }),
         (0.1..3.0, option(0.1..9.0), 0.0..1.0, 0.5..9.0).prop_map(|(ymag, aspect_ratio, znear, zfar)| {
             Projection::Orthographic { ymag, aspect_ratio, znear, zfar }
         }),
@@ -236,9 +215,8 @@ fn projection() -> impl Strategy<Value = Projection> {
 }
 
 fn any_camera() -> impl Strategy<Value = Camera> {
-    (name(), vector(), rotation(), projection()).prop_map(|(name, translation, rotation, projection)| {
-        Camera { name, translation, rotation, projection }
-    })
+    let fields = (name(), vector(), rotation(), projection());
+    fields.prop_map(|(name, translation, rotation, projection)| Camera { name, translation, rotation, projection })
 }
 
 fn camera_parameter() -> impl Strategy<Value = CameraParameter> {

@@ -5,15 +5,14 @@ use glam::DVec3;
 use light::parameters::{NAME, SCALE, TRANSLATION, WIDTH};
 use light::{Light, LightId, SceneBounds, UndrawableLight};
 
-use crate::support::{BENDY, ROOM, SPOT, bendy, checked, edit, light_change, sample, spot};
+use crate::support::{self, BENDY, ROOM, SPOT, bendy, checked, edit, light_change, sample, spot};
 
 fn left_out(document: &Document) -> Vec<UndrawableLight> {
     SceneBounds::default().undrawable_of(document.lights().values().map(|placed| &*placed.light))
 }
 
 fn place(light: LightId, x: f64) -> Command {
-    let translation = Some(DVec3::new(x, 0.0, 0.0));
-    Command::PlaceLight { light, translation, rotation: None, scale: None }
+    support::place(light, DVec3::new(x, 0.0, 0.0))
 }
 
 #[test]
@@ -46,10 +45,7 @@ fn records_of_lights_out_of_reach_apply() {
     let carried = light_change(SPOT, TRANSLATION, DVec3::ZERO, DVec3::splat(3.4e38));
     document.apply(&[carried]).expect("as it was recorded");
     let left_out = left_out(&document);
-    assert!(
-        matches!(&left_out[..], [UndrawableLight::TooFar { name, .. }] if name == "lamp"),
-        "{left_out:?}"
-    );
+    assert!(matches!(&left_out[..], [UndrawableLight::TooFar { name, .. }] if name == "lamp"), "{left_out:?}");
     let rename = Command::SetLight { light: SPOT, setting: NAME.to("far away".into()) };
     edit(&document, &rename).expect("it is no farther than before");
     edit(&document, &place(SPOT, 1e20)).expect("nearer than before");
@@ -62,13 +58,8 @@ fn records_of_lights_out_of_reach_apply() {
 fn lights_are_measured_against_the_scene() {
     let document = sample();
     let reach = SceneBounds { center: DVec3::X * 9e14, half_extent: DVec3::splat(1e13) };
-    let there = |x| {
-        execute_command(
-            &document,
-            &place(SPOT, x),
-            CommandContext { scene_bounds: reach, ..CommandContext::default() },
-        )
-    };
+    let context = CommandContext { scene_bounds: reach, ..CommandContext::default() };
+    let there = |x| execute_command(&document, &place(SPOT, x), context);
     there(1.1e15).expect("near that scene");
     edit(&document, &place(SPOT, 1.1e15)).expect_err("far from one about the origin");
     let error = there(-2e14).expect_err("far from that scene");

@@ -1,9 +1,9 @@
 //! Loading of scenes.
 
-use document::{AssetHash, Change, Command, EditError};
+use document::{AssetHash, Command, EditError};
 use light::MAX_NAME_BYTES;
 
-use crate::support::{ROOM, YARD, bendy, content, done, eye, refused, sample, spot};
+use crate::support::{ROOM, YARD, bendy, content, done, eye, refused, sample, spot, take_back};
 
 fn load(asset: AssetHash, name: &str) -> Command {
     Command::LoadScene { asset, name: name.into() }
@@ -33,8 +33,7 @@ fn taking_a_scene_back_brings_the_earlier_lights() {
     done(&mut document, &load(ROOM, "room"));
     let before = content(&document);
     let changes = done(&mut document, &load(YARD, "yard"));
-    let inverses: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
-    document.apply(&inverses).expect("what was done can be taken back");
+    take_back(&mut document, &changes);
     assert_eq!(content(&document), before);
     assert_eq!(document.scene().map(|scene| scene.asset), Some(ROOM), "the geometry's name too");
 }

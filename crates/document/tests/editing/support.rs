@@ -8,7 +8,7 @@ use document::{
 };
 use glam::{DQuat, DVec3};
 use light::parameters::NAME;
-use light::{CheckedLight, Light, LightId, ParameterKey, ValueType};
+use light::{CheckedLight, Light, LightId, ParameterKey, Setting, ValueType};
 use scene::{Camera, Projection};
 
 /// Scene with a BendyLight and a camera.
@@ -85,11 +85,8 @@ pub fn sample() -> Document {
 /// Applies a command, with the scenes above and no geometry.
 pub fn edit(document: &Document, command: &Command) -> Result<CommandResult, EditError> {
     let loaded = if let Command::LoadScene { asset, .. } = command { find_scene(*asset) } else { None };
-    document::execute_command(
-        document,
-        command,
-        CommandContext { loaded: loaded.as_ref(), ..CommandContext::default() },
-    )
+    let context = CommandContext { loaded: loaded.as_ref(), ..CommandContext::default() };
+    document::execute_command(document, command, context)
 }
 
 /// Executes a command that must be valid.
@@ -102,6 +99,26 @@ pub fn done(document: &mut Document, command: &Command) -> Vec<Change> {
         "the changes lead to the document after them"
     );
     changes
+}
+
+/// Reverts changes just made.
+pub fn take_back(document: &mut Document, changes: &[Change]) {
+    document.apply(&Change::inverses(changes)).expect("what was done can be taken back");
+}
+
+/// Returns the command that sets a parameter of one of [`BENDY`]'s control points.
+pub fn set_point(point: usize, setting: Setting) -> Command {
+    Command::SetPoint { light: BENDY, point, setting }
+}
+
+/// Returns the command that inserts a control point of [`BENDY`] with default values.
+pub fn insert(point: usize) -> Command {
+    Command::InsertPoint { light: BENDY, point, position: None, radius: None, color: None, intensity: None }
+}
+
+/// Returns the command that places a light at a position.
+pub fn place(light: LightId, position: DVec3) -> Command {
+    Command::PlaceLight { light, translation: Some(position), rotation: None, scale: None }
 }
 
 /// Returns the error of a command that must be refused.

@@ -3,10 +3,10 @@
 use std::cell::Cell;
 
 use drag::{
-    Drag, DragLimit, DragPin, DragResult, DragStatus, MAX_DRAG_STEPS, PinKind, RadiusMode,
-    STEPS_BETWEEN_CHECKS, WorkBudget, drag_budgeted,
+    Drag, DragLimit, DragPin, DragResult, DragStatus, MAX_DRAG_STEPS, PinKind, RadiusMode, STEPS_BETWEEN_CHECKS,
+    WorkBudget, drag_budgeted,
 };
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use light::CheckedLight;
 
 use crate::support::{self, TestScene, Trial};
@@ -14,31 +14,21 @@ use crate::support::{self, TestScene, Trial};
 /// Most steps that such a drag spends between two checks of its budget.
 const AT_ONCE: u64 = 100_000;
 
+/// Number of pixels that are tried for pins.
+const PIXELS: usize = 60;
+
 /// Number of copies of each pin, so that a drag takes some tens of millions of steps.
 const TIMES: usize = 7;
 
 /// Makes the demo's drag with pins all over the blue vase, one of them hard.
-fn pinned(scene: &TestScene, count: usize) -> Trial {
+fn pinned(scene: &TestScene) -> Trial {
     let mut trial = scene.trial_of_the_demo(None);
     let origin = scene.bvh.posed.origin_in_world;
-    let pixels = (0..count).map(|k| DVec2::new(120.5 + 3.0 * (k % 20) as f64, 120.5 + 4.0 * (k / 20) as f64));
-    let seen = pixels.filter_map(|pixel| scene.seen(pixel));
-    let held = seen.filter(|seen| {
-        trial.light.tube().is_some_and(|tube| tube.locate(seen.position + origin).point.is_some())
-    });
-    let held: Vec<_> = held.collect();
-    let pins: Vec<DragPin> = held
-        .iter()
-        .cycle()
-        .take(TIMES * held.len())
-        .enumerate()
-        .map(|(k, seen)| DragPin {
-            kind: PinKind::Direction,
-            at: seen.position + origin,
-            caster: None,
-            is_hard: k == 0,
-        })
-        .collect();
+    let pixels = (0..PIXELS).map(|k| DVec2::new(120.5 + 3.0 * (k % 20) as f64, 120.5 + 4.0 * (k / 20) as f64));
+    let lit = pixels.filter_map(|pixel| scene.tube_point(&trial.light, pixel));
+    let positions: Vec<DVec3> = lit.map(|(seen, _)| seen.position + origin).collect();
+    let pin = |(k, at)| DragPin { kind: PinKind::Direction, at, caster: None, is_hard: k == 0 };
+    let pins = positions.repeat(TIMES).into_iter().enumerate().map(pin).collect();
     trial.drag = Drag { points: Some(vec![1, 2, 3, 4]), radii: RadiusMode::Solve, pins, ..trial.drag };
     trial
 }
@@ -48,8 +38,8 @@ fn run(scene: &TestScene, trial: &Trial, work: &WorkBudget) -> DragResult {
 }
 
 /// True if light arrives at hard pins from the same direction as at the start.
-fn hold(trial: &Trial, landing: &DragResult) -> bool {
-    let after = CheckedLight::new(landing.light.clone()).expect("a light that can be evaluated");
+fn hold(trial: &Trial, result: &DragResult) -> bool {
+    let after = CheckedLight::new(result.light.clone()).expect("a light that can be evaluated");
     let direction = |light: &CheckedLight, pin: &DragPin| {
         light.tube().and_then(|tube| tube.locate(pin.at).point).map(|point| point.direction)
     };
@@ -64,36 +54,28 @@ fn hold(trial: &Trial, landing: &DragResult) -> bool {
 ///
 /// Rules: DRAG-7
 #[test]
-fn past_its_bound_a_drag_is_limited_and_pins_hold() {
+fn a_drag_over_its_budget_is_limited_and_pins_hold() {
     let scene = support::demo();
-    let trial = pinned(&scene, 60);
+    let trial = pinned(&scene);
     let whole = WorkBudget::with_limit(MAX_DRAG_STEPS, &|_| true);
     let landed = run(&scene, &trial, &whole);
     let all = whole.spent_steps();
     println!("{:?} with {} pins takes {all} steps", landed.status, trial.drag.pins.len());
     assert!(trial.drag.pins.len() > 20 && all > 200 * AT_ONCE, "{all}");
     assert_ne!(landed.status, DragStatus::Limited(DragLimit::TooMuchWork));
-    assert_eq!(
-        run(&scene, &trial, &WorkBudget::with_limit(all, &|_| true)),
-        landed,
-        "what fits the bound is the same"
-    );
-    let way = trial.drag.from.distance(trial.drag.to);
+    assert_eq!(run(&scene, &trial, &WorkBudget::with_limit(all, &|_| true)), landed, "what fits the bound is the same");
+    let distance = trial.drag.from.distance(trial.drag.to);
     let mut moved = 0;
     for share in [0, 1, 2, 4, 8, 12, 15] {
         let most = all * share / 16;
         let work = WorkBudget::with_limit(most, &|_| true);
-        let landing = run(&scene, &trial, &work);
-        println!("{share}/16: {:?}, {} px of {way} short", landing.status, landing.residual_px);
-        assert!(matches!(landing.status, DragStatus::Limited(DragLimit::TooMuchWork) | DragStatus::Landed));
-        assert!(landing.residual_px <= way && hold(&trial, &landing), "{landing:?}");
+        let result = run(&scene, &trial, &work);
+        println!("{share}/16: {:?}, {} px of {distance} short", result.status, result.residual_px);
+        assert!(matches!(result.status, DragStatus::Limited(DragLimit::TooMuchWork) | DragStatus::Landed));
+        assert!(result.residual_px <= distance && hold(&trial, &result), "{result:?}");
         assert!(work.spent_steps() <= most + most / 8 + 2 * AT_ONCE, "{} of {most}", work.spent_steps());
-        assert_eq!(
-            landing,
-            run(&scene, &trial, &WorkBudget::with_limit(most, &|_| true)),
-            "it is the same each time"
-        );
-        moved += usize::from(landing.light != *trial.light.light());
+        assert_eq!(result, run(&scene, &trial, &WorkBudget::with_limit(most, &|_| true)), "it is the same each time");
+        moved += usize::from(result.light != *trial.light.light());
         // Deliberate fault that the check must detect: without the limit the drag takes more.
         assert!(share > 12 || all > most + most / 8 + 2 * AT_ONCE);
     }
@@ -102,9 +84,9 @@ fn past_its_bound_a_drag_is_limited_and_pins_hold() {
 
 /// A cancelled drag ends: it checks often if it should continue, and takes hardly a step after the refusal.
 #[test]
-fn a_drag_that_is_given_up_ends() {
+fn a_cancelled_drag_ends() {
     let scene = support::demo();
-    let trial = pinned(&scene, 60);
+    let trial = pinned(&scene);
     let questions = Cell::new(0);
     let goes_on = |_| {
         questions.set(questions.get() + 1);

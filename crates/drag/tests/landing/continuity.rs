@@ -13,32 +13,26 @@ struct Path {
     /// Picked surface point at each cursor position.
     picked: Vec<DVec3>,
     /// Direction at the picked point in which the light must arrive: the normal, or the mirror direction to the eye.
-    wanted: Vec<DVec3>,
+    targets: Vec<DVec3>,
     /// Control points in the world.
     points: Vec<Vec<DVec3>>,
 }
 
 /// Drags along a cursor path. `None` if a part of it is off the surfaces.
 fn path(scene: &TestScene, trial: &Trial) -> Option<Path> {
-    let mut path = Path { picked: Vec::new(), wanted: Vec::new(), points: Vec::new() };
+    let mut path = Path { picked: Vec::new(), targets: Vec::new(), points: Vec::new() };
     for step in 0..=STEPS {
         let to = trial.drag.from.lerp(trial.drag.to, step as f64 / STEPS as f64);
-        let landing = drag(&scene.bvh, &trial.view, &trial.light, &Drag { to, ..trial.drag.clone() });
-        if matches!(landing.status, DragStatus::Refused(_)) {
+        let result = drag(&scene.bvh, &trial.view, &trial.light, &Drag { to, ..trial.drag.clone() });
+        if matches!(result.status, DragStatus::Refused(_)) {
             return None;
         }
         let seen = scene.seen(to)?;
-        path.picked.push(landing.to_world?);
-        path.wanted.push(if trial.drag.feature == Feature::Highlight {
-            seen.mirror_direction()
-        } else {
-            seen.normal
-        });
-        let transform = landing.light.transform();
-        let in_world = |point: &light::ControlPoint| {
-            transform.rotation.normalize() * (point.position * transform.scale) + transform.translation
-        };
-        path.points.push(landing.light.points().iter().map(in_world).collect());
+        path.picked.push(result.to_world?);
+        path.targets.push(if trial.drag.feature == Feature::Highlight { seen.mirror_direction() } else { seen.normal });
+        let transform = result.light.transform();
+        let in_world = result.light.points().iter().map(|point| transform.world_from_local(point.position));
+        path.points.push(in_world.collect());
     }
     Some(path)
 }
@@ -60,7 +54,7 @@ impl Path {
     /// Only cursor steps at which the picked point moves evenly count: neither its step nor that of the required
     /// direction is above 3 of its medians.
     fn largest_step_and_detour(&self, feature: Feature) -> Option<(f64, f64)> {
-        let (picks, turns) = (steps(&self.picked), steps(&self.wanted));
+        let (picks, turns) = (steps(&self.picked), steps(&self.targets));
         let (pick, turn) = (median(&picks), median(&turns).max(1e-4));
         let is_turned = matches!(feature, Feature::Highlight | Feature::Diffuse);
         let counts = |k: usize| picks[k] < 3.0 * pick && (!is_turned || turns[k] < 3.0 * turn);
@@ -80,24 +74,33 @@ impl Path {
     }
 }
 
-/// Nearly all paths have no step above 20 medians and are less than 8 times as long as the distance between their ends.
-/// The others reach a point past which the light cannot go on evenly, and the drag jumps for one cursor position and
-/// slides for the next.
-#[test]
-fn a_small_step_of_the_cursor_moves_the_light_little() {
-    let (mut smooth, mut rough) = (0, 0);
-    for scene in support::scenes().into_iter().take(2) {
-        for feature in [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse] {
-            for trial in trials(&scene, feature, 4).filter(|trial| !trial.is_there_already()) {
-                let Some(path) = path(&scene, &trial) else { continue };
-                let Some((largest, detour)) = path.largest_step_and_detour(feature) else { continue };
-                let is_smooth = largest < 20.0 && detour < 8.0;
-                *(if is_smooth { &mut smooth } else { &mut rough }) += 1;
-                let (name, points) = (&scene.name, &trial.drag.points);
-                println!("{name} {feature:?} {points:?}: {largest:.1} medians, {detour:.1} times as long");
-            }
+/// Numbers of the smooth and of the other cursor paths over a scene.
+///
+/// A smooth path has no step above 20 medians and is less than 8 times as long as the distance between its ends.
+fn paths_over(scene: &TestScene) -> [usize; 2] {
+    let mut counts = [0; 2];
+    for feature in [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse] {
+        for trial in trials(scene, feature, 4).filter(|trial| !trial.is_there_already()) {
+            let Some(path) = path(scene, &trial) else { continue };
+            let Some((largest, detour)) = path.largest_step_and_detour(feature) else { continue };
+            counts[usize::from(largest >= 20.0 || detour >= 8.0)] += 1;
+            let (name, points) = (&scene.name, &trial.drag.points);
+            println!("{name} {feature:?} {points:?}: {largest:.1} medians, {detour:.1} times as long");
         }
     }
+    counts
+}
+
+/// Nearly all paths are smooth. The others reach a point past which the light cannot go on evenly, and the drag jumps
+/// for one cursor position and slides for the next.
+#[test]
+fn a_small_step_of_the_cursor_moves_the_light_little() {
+    let scenes = support::scenes();
+    let counts: Vec<[usize; 2]> = std::thread::scope(|threads| {
+        let running: Vec<_> = scenes.iter().take(2).map(|scene| threads.spawn(|| paths_over(scene))).collect();
+        running.into_iter().map(|thread| thread.join().expect("no drag panics")).collect()
+    });
+    let [smooth, rough] = [0, 1].map(|which| counts.iter().map(|counts| counts[which]).sum::<usize>());
     println!("{smooth} smooth, {rough} not");
     assert!(smooth >= 9 * rough && smooth > 10, "{smooth} smooth, {rough} not");
 }

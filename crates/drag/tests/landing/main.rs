@@ -10,49 +10,49 @@ mod support;
 
 use std::collections::BTreeMap;
 
-use drag::{Drag, DragResult, DragStatus, Feature, Viewport, drag};
+use drag::{Drag, DragResult, DragStatus, Feature, drag};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{CONE_ANGLE, LIGHT_LINK, ROTATION, TRANSLATION};
 use light::{CheckedLight, Light, Links};
-use reference::{Reference, ReferenceLight};
+use reference::{Reference, ReferenceLight, ShadedPoint};
 use scene::View;
 
-use support::{TestScene, Trial, trials};
+use support::{Trial, trials};
 
 const FEATURES: [Feature; 4] = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
+
+/// Returns the mirror direction of the eye.
+fn mirrored(surface: &ShadedPoint) -> DVec3 {
+    surface.normal * (2.0 * surface.normal.dot(surface.to_eye)) - surface.to_eye
+}
 
 /// Measures the distance of the feature from the cursor by the reference's pick, the reference's shadow and the light's
 /// own `locate`: in pixels across the picture for shadow and hotspot, else in degrees. `None` if the point is not in
 /// the light or not in shadow.
-fn off(reference: &Reference, trial: &Trial, landing: &DragResult) -> Option<f64> {
+fn off(reference: &Reference, trial: &Trial, result: &DragResult) -> Option<f64> {
     let view = View::beauty(trial.view.camera.clone(), trial.view.size);
     let to = reference.surface(&view, trial.drag.to)?;
     let origin = reference.bvh.posed.origin_in_world;
-    let moved = CheckedLight::new(landing.light.clone()).ok()?;
+    let moved = CheckedLight::new(result.light.clone()).ok()?;
     let located = |position| moved.tube()?.locate(position).point;
-    let there = located(to.position + origin)?;
+    let point = located(to.position + origin)?;
     // Size of a pixel at the cursor, in world units.
-    let beside = reference.surface(&view, trial.drag.to + glam::DVec2::new(1.0, 0.0));
-    let per_pixel =
-        beside.map_or(0.01 * to.depth, |beside| beside.position.distance(to.position)).max(1e-4 * to.depth);
-    let across_px = |v: f64, w: f64| libm::hypot(there.v - v, there.w - w) * there.radius / per_pixel;
+    let beside = reference.surface(&view, trial.drag.to + DVec2::new(1.0, 0.0));
+    let per_pixel = beside.map_or(0.01 * to.depth, |beside| beside.position.distance(to.position)).max(1e-4 * to.depth);
+    let across_px = |v: f64, w: f64| libm::hypot(point.v - v, point.w - w) * point.radius / per_pixel;
     match trial.drag.feature {
         Feature::Shadow => {
-            let pivot = located(landing.pivot_world?)?;
-            let source = reference::ReferenceLight::new(&moved);
-            let is_dark = !reference.sample(&source, &to)?.is_visible;
-            (is_dark && pivot.t < there.t).then(|| across_px(pivot.v, pivot.w))
+            let pivot = located(result.pivot_world?)?;
+            let is_dark = !reference.sample(&ReferenceLight::new(&moved), &to)?.is_visible;
+            (is_dark && pivot.t < point.t).then(|| across_px(pivot.v, pivot.w))
         }
         Feature::Hotspot => {
             let from = reference.surface(&view, trial.drag.from)?;
             let was = trial.light.tube()?.locate(from.position + origin).point?;
             Some(across_px(was.v, was.w))
         }
-        Feature::Highlight => {
-            let mirrored = to.normal * (2.0 * to.normal.dot(to.to_eye)) - to.to_eye;
-            Some(there.direction.angle_between(mirrored).to_degrees())
-        }
-        Feature::Diffuse => Some(there.direction.angle_between(to.normal).to_degrees()),
+        Feature::Highlight => Some(point.direction.angle_between(mirrored(&to)).to_degrees()),
+        Feature::Diffuse => Some(point.direction.angle_between(to.normal).to_degrees()),
     }
 }
 
@@ -60,45 +60,41 @@ fn off(reference: &Reference, trial: &Trial, landing: &DragResult) -> Option<f64
 #[test]
 fn converged_drags_have_the_feature_under_the_cursor() {
     for scene in support::scenes() {
-        let TestScene { name, bvh, .. } = &scene;
-        let reference = Reference::new(std::sync::Arc::clone(&bvh.posed));
+        let (name, reference) = (&scene.name, scene.reference());
         for feature in FEATURES {
             let mut tally = BTreeMap::<String, usize>::new();
             let (mut landed, mut all) = ([0, 0], [0, 0]);
             for trial in trials(&scene, feature, 24) {
-                let landing = drag(bvh, &trial.view, &trial.light, &trial.drag);
-                let what = format!("{name} {feature:?} {:?}: {landing:?}", trial.drag);
+                let result = scene.run(&trial);
+                let what = format!("{name} {feature:?} {:?}: {result:?}", trial.drag);
                 let kind = usize::from(trial.drag.points.is_some());
                 all[kind] += 1;
-                *tally.entry(format!("{:?}", landing.status)).or_default() += 1;
-                assert!(CheckedLight::new(landing.light.clone()).is_ok(), "{what}");
-                if landing.status != DragStatus::Landed {
+                *tally.entry(format!("{:?}", result.status)).or_default() += 1;
+                assert!(CheckedLight::new(result.light.clone()).is_ok(), "{what}");
+                if result.status != DragStatus::Landed {
                     continue;
                 }
                 landed[kind] += 1;
                 // In pixels or degrees.
                 let most = if matches!(feature, Feature::Shadow | Feature::Hotspot) { 0.5 } else { 0.1 };
-                let off = off(&reference, &trial, &landing);
+                let off = off(&reference, &trial, &result);
                 assert!(off.is_some_and(|off| off < most), "{off:?} {what}");
-                only_what_was_asked_for(&trial, &landing);
+                assert_only_requested_changes(&trial, &result);
                 // Deliberate fault that the check must detect: the unmoved light is not a solution.
-                let unmoved = DragResult { light: trial.light.light().clone(), ..landing };
+                let unmoved = DragResult { light: trial.light.light().clone(), ..result };
                 let was = self::off(&reference, &trial, &unmoved);
                 assert!(was.is_none_or(|was| was > most) || trial.is_there_already(), "{was:?} {what}");
             }
             println!("{name} {feature:?}: {tally:?}");
-            assert!(
-                landed[0] * 100 >= all[0] * 95,
-                "{name} {feature:?} moved as a whole: {landed:?} of {all:?}"
-            );
+            assert!(landed[0] * 100 >= all[0] * 95, "{name} {feature:?} moved as a whole: {landed:?} of {all:?}");
             assert!(landed[1] * 2 >= all[1], "{name} {feature:?} deformed: {landed:?} of {all:?}");
         }
     }
 }
 
 /// Checks that only the moving control points changed, or that a light moved as a whole keeps its shape.
-fn only_what_was_asked_for(trial: &Trial, landing: &DragResult) {
-    let (before, after) = (trial.light.light(), &landing.light);
+fn assert_only_requested_changes(trial: &Trial, result: &DragResult) {
+    let (before, after) = (trial.light.light(), &result.light);
     let Some(moving) = &trial.drag.points else {
         assert_eq!(before.points(), after.points());
         return;
@@ -106,23 +102,20 @@ fn only_what_was_asked_for(trial: &Trial, landing: &DragResult) {
     assert_eq!(before.transform(), after.transform());
     for (index, (before, after)) in before.points().iter().zip(after.points()).enumerate() {
         assert!(moving.contains(&index) || before == after, "control point {index}");
-        assert_eq!(
-            (before.radius, before.color, before.intensity),
-            (after.radius, after.color, after.intensity)
-        );
+        assert_eq!((before.radius, before.color, before.intensity), (after.radius, after.color, after.intensity));
     }
 }
 
 /// A shadow can be dragged onto a surface that casts none.
 #[test]
-fn a_shadow_lands_on_what_throws_none() {
+fn a_shadow_lands_on_a_surface_that_casts_none() {
     let scene = support::demo();
     let from = scene.trial_of_the_demo(None);
     let linked = scene.trial_of_the_demo(Links::new(Vec::new(), vec!["table".into()]));
     for trial in [from, linked] {
-        let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
-        assert_eq!(landing.status, DragStatus::Landed, "{landing:?}");
-        assert!(landing.residual_px < 0.5);
+        let result = scene.run(&trial);
+        assert_eq!(result.status, DragStatus::Landed, "{result:?}");
+        assert!(result.residual_px < 0.5);
     }
 }
 
@@ -130,7 +123,7 @@ fn a_shadow_lands_on_what_throws_none() {
 #[test]
 fn straight_lights_land_too() {
     let scene = support::demo();
-    let Trial { view, drag: asked, .. } = scene.trial_of_the_demo(None);
+    let Trial { view, drag: request, .. } = scene.trial_of_the_demo(None);
     let from = DVec3::new(-2.5, 3.0, 1.5);
     let aimed = DQuat::from_rotation_arc(DVec3::NEG_Z, (DVec3::new(0.0, 0.3, 0.0) - from).normalize());
     let sun = Light::directional().with(ROTATION, aimed);
@@ -143,52 +136,45 @@ fn straight_lights_land_too() {
     for light in lights {
         let light = CheckedLight::new(light).expect("valid");
         for feature in [Feature::Highlight, Feature::Diffuse] {
-            let drag = Drag { feature, points: None, ..asked.clone() };
-            let landing = crate::drag(&scene.bvh, &view, &light, &drag);
-            assert_eq!(landing.status, DragStatus::Landed, "{landing:?}");
+            let drag = Drag { feature, points: None, ..request.clone() };
+            let result = crate::drag(&scene.bvh, &view, &light, &drag);
+            assert_eq!(result.status, DragStatus::Landed, "{result:?}");
             // The light's own sample at M' arrives along the mirror direction or the normal.
-            let moved = ReferenceLight::new(&CheckedLight::new(landing.light).expect("valid"));
-            let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
-            let to =
-                reference.surface(&View::beauty(view.camera.clone(), view.size), drag.to).expect("the table");
-            let wanted = match feature {
-                Feature::Highlight => to.normal * (2.0 * to.normal.dot(to.to_eye)) - to.to_eye,
-                _ => to.normal,
-            };
+            let moved = ReferenceLight::new(&CheckedLight::new(result.light).expect("valid"));
+            let reference = scene.reference();
+            let to = reference.surface(&View::beauty(view.camera.clone(), view.size), drag.to).expect("the table");
+            let target = if feature == Feature::Highlight { mirrored(&to) } else { to.normal };
             let direction = reference.sample(&moved, &to).expect("inside").coords.direction;
-            assert!(direction.angle_between(wanted).to_degrees() < 0.1, "{feature:?} {direction} {wanted}");
+            assert!(direction.angle_between(target).to_degrees() < 0.1, "{feature:?} {direction} {target}");
         }
     }
 }
 
 /// The same drag gives the same bits, whatever was dragged before.
 #[test]
-fn a_drag_depends_on_its_begin_and_its_end_alone() {
+fn a_drag_depends_on_its_start_and_its_end_alone() {
     let scene = support::demo();
-    let run = |trial: &Trial| drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
     let trials: Vec<_> = trials(&scene, Feature::Shadow, 8).collect();
-    let forth: Vec<_> = trials.iter().map(run).collect();
-    let mut back: Vec<_> = trials.iter().rev().map(run).collect();
+    let forth: Vec<_> = trials.iter().map(|trial| scene.run(trial)).collect();
+    let mut back: Vec<_> = trials.iter().rev().map(|trial| scene.run(trial)).collect();
     back.reverse();
     assert_eq!(forth, back);
 }
 
 /// A refused drag gives a reason, and leaves the light unchanged.
 #[test]
-fn what_cannot_be_dragged_says_why() {
+fn refused_drags_give_a_reason() {
     use drag::DragRefusal::{NoShadow, NoSuchPoint, NothingAtEnd, NothingAtStart, OutsideTheLight};
     let scene = support::demo();
     let trial = trials(&scene, Feature::Hotspot, 1).next().expect("a drag");
     let refusal = |change: &dyn Fn(&mut Drag)| {
         let mut drag = trial.drag.clone();
         change(&mut drag);
-        let landing = crate::drag(&scene.bvh, &trial.view, &trial.light, &drag);
-        assert_eq!(&landing.light, trial.light.light());
-        landing.status
+        let result = crate::drag(&scene.bvh, &trial.view, &trial.light, &drag);
+        assert_eq!(&result.light, trial.light.light());
+        result.status
     };
-    let sky = glam::DVec2::new(1.0, 1.0);
-    let above = Viewport { camera: scene.view.camera.clone(), size: scene.view.size };
-    assert_eq!(above.size, scene.view.size);
+    let sky = DVec2::new(1.0, 1.0);
     assert_eq!(refusal(&|drag| drag.points = Some(vec![0])), DragStatus::Refused(NoSuchPoint));
     assert_eq!(refusal(&|drag| drag.points = Some(vec![99])), DragStatus::Refused(NoSuchPoint));
     assert_eq!(refusal(&|drag| drag.feature = Feature::Shadow), DragStatus::Refused(NoShadow));
@@ -203,14 +189,13 @@ fn what_cannot_be_dragged_says_why() {
 
 /// A light cannot be dragged onto a surface that its links exclude.
 #[test]
-fn nothing_lands_on_what_a_light_leaves_out() {
+fn nothing_lands_on_unlinked_surfaces() {
     let scene = support::demo();
     let trial = scene.trial_of_the_demo(None);
     let landing_with = |linked: Option<Links>| {
         let light = trial.light.light().clone().with(LIGHT_LINK, linked);
         let light = CheckedLight::new(light).expect("valid");
-        let hotspot =
-            Drag { feature: Feature::Hotspot, from: DVec2::new(430.5, 175.5), ..trial.drag.clone() };
+        let hotspot = Drag { feature: Feature::Hotspot, from: DVec2::new(430.5, 175.5), ..trial.drag.clone() };
         drag(&scene.bvh, &trial.view, &light, &hotspot).status
     };
     assert_eq!(landing_with(None), DragStatus::Landed);

@@ -18,10 +18,10 @@ fn many_pins_take_as_long_as_there_are_many() {
     for is_hard in [false, true] {
         let pin = DragPin { kind: PinKind::Direction, at, caster: None, is_hard };
         let run = |count: usize| {
-            let asked = Drag { pins: vec![pin.clone(); count], ..trial.drag.clone() };
+            let request = Drag { pins: vec![pin.clone(); count], ..trial.drag.clone() };
             let began = Instant::now();
-            let landing = drag(&scene.bvh, &trial.view, &trial.light, &asked);
-            (began.elapsed().as_secs_f64() / landing.iterations as f64, landing)
+            let result = drag(&scene.bvh, &trial.view, &trial.light, &request);
+            (began.elapsed().as_secs_f64() / result.iterations as f64, result)
         };
         let fastest = |count| (0..3).map(|_| run(count).0).fold(f64::INFINITY, f64::min);
         let (few, many) = (fastest(32), fastest(256));

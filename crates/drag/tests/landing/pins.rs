@@ -21,29 +21,17 @@ fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &Ch
     let view = View::beauty(trial.view.camera.clone(), trial.view.size);
     let surface = |pixel| reference.surface(&view, pixel);
     let Some(here) = surface(pinned.pixel) else { return f64::INFINITY };
-    let place = |light: &CheckedLight, at: DVec3| light.tube().and_then(|tube| tube.locate(at).point);
-    let (Some(was), Some(is)) = (place(&trial.light, pinned.pin.at), place(now, pinned.pin.at)) else {
+    let located = |light: &CheckedLight, at: DVec3| light.tube().and_then(|tube| tube.locate(at).point);
+    let (Some(was), Some(is)) = (located(&trial.light, pinned.pin.at), located(now, pinned.pin.at)) else {
         return f64::INFINITY;
     };
-    let is_lit = |surface: &ShadedPoint| {
-        reference.sample(&ReferenceLight::new(now), surface).is_some_and(|s| s.is_visible)
-    };
+    let is_lit =
+        |surface: &ShadedPoint| reference.sample(&ReferenceLight::new(now), surface).is_some_and(|s| s.is_visible);
+    let zero_if = |holds: bool| if holds { 0.0 } else { f64::INFINITY };
     match pinned.pin.kind {
         PinKind::Direction => was.direction.angle_between(is.direction).to_degrees(),
-        PinKind::Lit => {
-            if is_lit(&here) {
-                0.0
-            } else {
-                f64::INFINITY
-            }
-        }
-        PinKind::Shadowed => {
-            if is_lit(&here) {
-                f64::INFINITY
-            } else {
-                0.0
-            }
-        }
+        PinKind::Lit => zero_if(is_lit(&here)),
+        PinKind::Shadowed => zero_if(!is_lit(&here)),
         PinKind::Shadow => {
             // Finds the pivot anew: the first surface on the light path at the start.
             let tube = trial.light.tube().expect("a BendyLight");
@@ -51,37 +39,28 @@ fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &Ch
             let away = 1e-5 * reference.bvh.posed.half_extent.length();
             let point = pinned.pin.at - origin;
             let hit = reference.bvh.first_bent_hit(&path, was.t, |hit| hit.position.distance(point) > away);
-            let Some(pivot) = hit.and_then(|hit| place(now, hit.position + origin)) else {
+            let Some(pivot) = hit.and_then(|hit| located(now, hit.position + origin)) else {
                 return f64::INFINITY;
             };
             let beside = surface(pinned.pixel + DVec2::X);
-            let per_pixel =
-                beside.map_or(0.01 * here.depth, |beside| beside.position.distance(here.position));
-            let px =
-                libm::hypot(pivot.v - is.v, pivot.w - is.w) * is.radius / per_pixel.max(1e-4 * here.depth);
+            let per_pixel = beside.map_or(0.01 * here.depth, |beside| beside.position.distance(here.position));
+            let px = libm::hypot(pivot.v - is.v, pivot.w - is.w) * is.radius / per_pixel.max(1e-4 * here.depth);
             if pivot.t < is.t { px } else { f64::INFINITY }
         }
     }
 }
 
 /// Makes up to three pins that hold at the start, at visible points in the light.
-fn random_pins(
-    scene: &TestScene,
-    reference: &Reference,
-    trial: &Trial,
-    random: &mut Random,
-) -> Vec<VisiblePin> {
+fn random_pins(scene: &TestScene, reference: &Reference, trial: &Trial, random: &mut Random) -> Vec<VisiblePin> {
     let view = View::beauty(trial.view.camera.clone(), trial.view.size);
     let mut pins = Vec::new();
     for _ in 0..400 {
         let pixel = random.pixel();
-        let Some((seen, _)) = scene.place(&trial.light, pixel) else { continue };
+        let Some((seen, _)) = scene.tube_point(&trial.light, pixel) else { continue };
         let Some(surface) = reference.surface(&view, pixel) else { continue };
         let Some(sample) = reference.sample(&ReferenceLight::new(&trial.light), &surface) else { continue };
         // Skips light that grazes a facet or passes by rounding.
-        if seen.normal.dot(sample.coords.direction) < 0.1
-            || seen.geometric_normal.dot(sample.coords.direction) < 0.1
-        {
+        if seen.normal.dot(sample.coords.direction) < 0.1 || seen.geometric_normal.dot(sample.coords.direction) < 0.1 {
             continue;
         }
         let kind = match (sample.is_visible, random.between(0.0, 1.0) < 0.5) {
@@ -110,17 +89,17 @@ fn hard_pins_hold_wherever_the_drag_ends() {
     let (mut landed, mut by_pin, mut alike, mut was_off) = (0, 0, 0, 0);
     let scenes = support::scenes();
     for scene in &scenes {
-        let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
+        let reference = scene.reference();
         let mut random = Random(77);
         for feature in [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse] {
             for mut trial in trials(scene, feature, SETS.div_ceil(4 * scenes.len())) {
                 let pinned = random_pins(scene, &reference, &trial, &mut random);
                 trial.drag.pins = pinned.iter().map(|placed| placed.pin.clone()).collect();
-                let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
-                let what = || format!("{} {feature:?} {:?}: {landing:?}", scene.name, trial.drag);
+                let result = scene.run(&trial);
+                let what = || format!("{} {feature:?} {:?}: {result:?}", scene.name, trial.drag);
                 let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
                 let free = drag(&scene.bvh, &trial.view, &trial.light, &free);
-                match landing.status {
+                match result.status {
                     DragStatus::Landed => landed += 1,
                     DragStatus::Limited(DragLimit::Pin(index)) => {
                         assert!(trial.drag.pins[index].is_hard, "{}", what());
@@ -132,19 +111,17 @@ fn hard_pins_hold_wherever_the_drag_ends() {
                         alike += 1;
                     }
                 }
-                let now = CheckedLight::new(landing.light.clone()).expect("valid");
+                let now = CheckedLight::new(result.light.clone()).expect("valid");
                 let free = CheckedLight::new(free.light).expect("valid");
-                let most =
-                    |placed: &VisiblePin| if placed.pin.kind == PinKind::Direction { 0.1 } else { 0.5 };
+                let most = |placed: &VisiblePin| if placed.pin.kind == PinKind::Direction { 0.1 } else { 0.5 };
                 let hard = || pinned.iter().filter(|placed| placed.pin.is_hard);
                 for placed in hard() {
                     let off = pin_error(&reference, &trial, placed, &now);
                     assert!(off < most(placed), "{off} {:?} {}", placed.pin, what());
                 }
                 // Deliberate fault that the check must detect: without pins something is off.
-                was_off += usize::from(
-                    hard().any(|placed| pin_error(&reference, &trial, placed, &free) > most(placed)),
-                );
+                was_off +=
+                    usize::from(hard().any(|placed| pin_error(&reference, &trial, placed, &free) > most(placed)));
             }
         }
     }
@@ -157,15 +134,14 @@ fn hard_pins_hold_wherever_the_drag_ends() {
 ///
 /// Rules: DRAG-5
 #[test]
-fn what_is_infeasible_names_the_pin() {
+fn infeasible_drags_name_the_pin() {
     let scene = support::demo();
     let mut named = 0;
     for mut trial in trials(&scene, Feature::Diffuse, 24) {
         let to = scene.seen(trial.drag.to).expect("a surface");
         let origin = scene.bvh.posed.origin_in_world;
-        let far =
-            trial.light.tube().and_then(|tube| tube.locate(to.position + origin).point).expect("inside");
-        if far.direction.angle_between(to.normal) < 0.02 || !scene.converges(&trial) {
+        let far = trial.light.tube().and_then(|tube| tube.locate(to.position + origin).point).expect("inside");
+        if far.direction.angle_between(to.normal) < 0.02 || scene.run(&trial).status != DragStatus::Landed {
             continue;
         }
         let other = scene.outside(&trial.light);
@@ -173,17 +149,16 @@ fn what_is_infeasible_names_the_pin() {
         let pin = |kind, at| DragPin { kind, at, caster: None, is_hard: true };
         // The drag must change the direction at M', and the pin must keep it.
         trial.drag.pins = vec![pin(PinKind::Direction, to.position + origin)];
-        let run = |trial: &Trial| drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
-        let landing = run(&trial);
-        assert_eq!(landing.status, DragStatus::Limited(DragLimit::Pin(0)), "{landing:?}");
+        let result = scene.run(&trial);
+        assert_eq!(result.status, DragStatus::Limited(DragLimit::Pin(0)), "{result:?}");
         // A soft pin yields.
         trial.drag.pins[0].is_hard = false;
-        let soft = run(&trial);
+        let soft = scene.run(&trial);
         assert_ne!(soft.status, DragStatus::Limited(DragLimit::Pin(0)), "{soft:?}");
         trial.drag.pins.push(pin(PinKind::Lit, outside));
-        assert_eq!(run(&trial).status, DragStatus::Refused(DragRefusal::PinDoesNotHold(1)));
+        assert_eq!(scene.run(&trial).status, DragStatus::Refused(DragRefusal::PinDoesNotHold(1)));
         trial.drag.pins[1].is_hard = false;
-        assert_eq!(run(&trial).light, soft.light);
+        assert_eq!(scene.run(&trial).light, soft.light);
         named += 1;
     }
     assert!(named > 5, "{named}");
@@ -198,25 +173,21 @@ fn the_source_stays_outside() {
     let (mut kept, mut through) = (0, 0);
     for mut trial in trials(&scene, Feature::Highlight, 60) {
         trial.drag.points = None;
-        let source = |landing: &drag::DragResult| landing.light.transform().translation;
+        let source = |result: &drag::DragResult| result.light.transform().translation;
         let origin = scene.bvh.posed.origin_in_world;
         let from = trial.light.light().transform().translation;
-        let goes_through = |to: DVec3| {
-            let hit = scene.bvh.first_hit(from - origin, to - from, [0.0, 1.0], |_| true);
-            hit.is_some()
-        };
-        let free = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
+        let goes_through = |to: DVec3| scene.bvh.first_hit(from - origin, to - from, [0.0, 1.0], |_| true).is_some();
+        let free = scene.run(&trial);
         if !goes_through(source(&free)) {
             continue;
         }
         through += 1;
         trial.drag.source_outside = true;
-        let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
-        assert!(!goes_through(source(&landing)), "{landing:?}");
-        let says =
-            matches!(landing.status, DragStatus::Landed | DragStatus::Limited(DragLimit::SourceInside));
+        let result = scene.run(&trial);
+        assert!(!goes_through(source(&result)), "{result:?}");
+        let says = matches!(result.status, DragStatus::Landed | DragStatus::Limited(DragLimit::SourceInside));
         kept += usize::from(says);
-        println!("{:?} {}", landing.status, landing.residual_px);
+        println!("{:?} {}", result.status, result.residual_px);
     }
     println!("{through} would go through something, {kept} say why not");
     assert!(through > 0 && kept * 2 > through);
@@ -227,7 +198,7 @@ fn the_source_stays_outside() {
 #[test]
 fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     let scene = support::demo();
-    let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
+    let reference = scene.reference();
     let mut trial = scene.trial_of_the_demo(None);
     trial.drag.points = Some(vec![1, 2, 3, 4]);
     trial.drag.radii = RadiusMode::Solve;
@@ -236,27 +207,19 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     let pixels = [(140.5, 150.5), (165.5, 100.5), (200.5, 180.5)].map(DVec2::from);
     let surfaces = pixels.map(|pixel| reference.surface(&view, pixel).expect("the vase"));
     let origin = scene.bvh.posed.origin_in_world;
-    let pins = surfaces.iter().map(|surface| DragPin {
-        kind: PinKind::Direction,
-        at: surface.position + origin,
-        caster: None,
-        is_hard: true,
-    });
-    let pins: Vec<DragPin> = pins.collect();
+    let at = surfaces.each_ref().map(|surface| surface.position + origin);
+    let pins = at.map(|at| DragPin { kind: PinKind::Direction, at, caster: None, is_hard: true }).to_vec();
     let differs = |light: &light::Light| {
         let lit = |light: &CheckedLight, surface: &ShadedPoint| {
             let sample = reference.sample(&ReferenceLight::new(light), surface).expect("inside the light");
             sample.irradiance * surface.normal.dot(sample.coords.direction).max(0.0)
         };
         let now = CheckedLight::new(light.clone()).expect("valid");
-        let off = surfaces
-            .iter()
-            .map(|surface| (lit(&now, surface) - lit(&trial.light, surface)).abs().max_element());
+        let off = surfaces.iter().map(|surface| (lit(&now, surface) - lit(&trial.light, surface)).abs().max_element());
         off.fold(0.0, f64::max)
     };
-    let free = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
-    let pinned = Drag { pins, ..trial.drag.clone() };
-    let pinned = drag(&scene.bvh, &trial.view, &trial.light, &pinned);
+    let free = scene.run(&trial);
+    let pinned = drag(&scene.bvh, &trial.view, &trial.light, &Drag { pins, ..trial.drag.clone() });
     assert_eq!((free.status, pinned.status), (DragStatus::Landed, DragStatus::Landed));
     let (without, with) = (differs(&free.light), differs(&pinned.light));
     // The smallest linear difference of a step of sRGB, in the dark, is 1 / 12.92 / 255.

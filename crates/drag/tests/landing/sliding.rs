@@ -3,19 +3,24 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use drag::{RadiusMode, slide_point};
+use drag::{RadiusMode, Slide, slide_point};
 use glam::DVec3;
-use light::{CheckedLight, Light};
+use light::CheckedLight;
 
 fn demo_light() -> CheckedLight {
     let demo = assets::demo("vases").expect("it is one of the demos");
     CheckedLight::new(demo.contents.lights[0].light().clone()).expect("valid")
 }
 
+/// Slides a control point of the light, and returns its new position too.
+fn slid(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusMode) -> (Slide, DVec3) {
+    let slide = slide_point(light, point, to, radii).expect("a control point");
+    let position = slide.light.light().points()[point].position;
+    (slide, position)
+}
+
 fn at(light: &CheckedLight, point: usize, position: DVec3) -> Result<CheckedLight, light::LightError> {
-    let mut moved: Light = light.light().clone();
-    moved.points_mut().expect("a BendyLight")[point].position = position;
-    CheckedLight::new(moved)
+    CheckedLight::new(light.light().clone().map_point(point, |point| point.position = position))
 }
 
 /// Returns 24 directions, spread over the sphere by the golden angle.
@@ -52,15 +57,11 @@ fn control_points_slide_along_the_fold() {
                 let is_valid = at(&light, point, from.lerp(to, middle)).is_ok();
                 if is_valid { valid = middle } else { folded = middle }
             }
-            let slid = slide_point(&light, point, to, RadiusMode::Keep).expect("a control point");
-            let followed = slide_point(&light, point, to, RadiusMode::Follow).expect("a control point");
-            let reaches = [
-                valid,
-                covered_share(from, slid.light.light().points()[point].position, to),
-                covered_share(from, followed.light.light().points()[point].position, to),
-            ];
-            writeln!(table, "{point} {direction:.2} {reaches:.3?} {:?}", slid.limit).expect("into text");
-            assert_eq!(slid.limit.is_none(), slid.distance_left == 0.0);
+            let (slide, kept) = slid(&light, point, to, RadiusMode::Keep);
+            let (_, followed) = slid(&light, point, to, RadiusMode::Follow);
+            let reaches = [valid, covered_share(from, kept, to), covered_share(from, followed, to)];
+            writeln!(table, "{point} {direction:.2} {reaches:.3?} {:?}", slide.limit).expect("into text");
+            assert_eq!(slide.limit.is_none(), slide.distance_left == 0.0);
             // The limit of a drag is 0.97 of the fold's.
             assert!(reaches[1] > 0.9 * reaches[0] - 0.02, "{table}");
             sums.iter_mut().zip(reaches).for_each(|(sum, reach)| *sum += reach);
@@ -75,14 +76,13 @@ fn control_points_slide_along_the_fold() {
 
 /// Within the limits the control point reaches its target to the last bit, and a light that comes back is the original.
 #[test]
-fn a_control_point_comes_back_from_the_wall() {
+fn a_control_point_comes_back_from_a_limit() {
     let light = demo_light();
     let points = light.light().points();
     let near = points[2].position + DVec3::new(0.01, -0.02, 0.015);
-    let slid = slide_point(&light, 2, near, RadiusMode::Keep).expect("a control point");
-    assert_eq!(slid.light, at(&light, 2, near).expect("valid"));
+    assert_eq!(slid(&light, 2, near, RadiusMode::Keep).0.light, at(&light, 2, near).expect("valid"));
     for radii in [RadiusMode::Keep, RadiusMode::Follow] {
-        assert_eq!(slide_point(&light, 2, points[2].position, radii).expect("a control point").light, light);
+        assert_eq!(slid(&light, 2, points[2].position, radii).0.light, light);
     }
     assert_eq!(slide_point(&light, 0, near, RadiusMode::Keep), None);
     assert_eq!(slide_point(&light, 99, near, RadiusMode::Keep), None);
@@ -100,8 +100,8 @@ fn sliding_on_and_off_a_limit_is_smooth() {
             .map(|step| {
                 let angle = std::f64::consts::TAU * f64::from(step) / 500.0;
                 let to = from + DVec3::new(libm::sin(angle), 0.0, 1.0 - libm::cos(angle)) * 1.5;
-                let slid = slide_point(&light, 3, to, radii).expect("a control point");
-                (to, slid.light.light().points()[3].position, slid.limit.is_some())
+                let (slide, position) = slid(&light, 3, to, radii);
+                (to, position, slide.limit.is_some())
             })
             .collect();
         let mut steps: Vec<f64> = positions.windows(2).map(|pair| pair[0].1.distance(pair[1].1)).collect();
@@ -109,10 +109,7 @@ fn sliding_on_and_off_a_limit_is_smooth() {
         let sum: f64 = steps.iter().sum();
         steps.sort_by(f64::total_cmp);
         let limited = positions.iter().filter(|position| position.2).count();
-        println!(
-            "{radii:?}: {limited} limited, median {} largest {}, {sum} of {cursors}",
-            steps[250], steps[499]
-        );
+        println!("{radii:?}: {limited} limited, median {} largest {}, {sum} of {cursors}", steps[250], steps[499]);
         assert!(radii == RadiusMode::Follow || limited > 50);
         assert!(steps[499] < 20.0 * steps[250].max(1e-3 * cursors), "{:?}", &steps[480..]);
         assert!(sum < 8.0 * cursors);

@@ -1,12 +1,14 @@
 //! Random lights over scenes, and random drags of their features.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use drag::{Drag, DragStatus, Feature, RadiusMode, Viewport, drag};
+use drag::{Drag, DragResult, Feature, RadiusMode, Viewport, drag};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{END_MODE, ROTATION, SHADOW_LINK, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, Links};
 use raycast::{Bvh, SeenPoint};
+use reference::Reference;
 use scene::ViewRay;
 
 const SIZE: [u32; 2] = [686, 382];
@@ -46,7 +48,8 @@ impl TestScene {
         self.bvh.visible_point(&ViewRay::new(&self.view.camera, SIZE, pixel, origin))
     }
 
-    pub fn place(&self, light: &CheckedLight, pixel: DVec2) -> Option<(SeenPoint, light::TubePoint)> {
+    /// Finds the surface in a pixel, with its tube coordinates; `None` outside the light.
+    pub fn tube_point(&self, light: &CheckedLight, pixel: DVec2) -> Option<(SeenPoint, light::TubePoint)> {
         let seen = self.seen(pixel)?;
         let point = light.tube()?.locate(seen.position + self.bvh.posed.origin_in_world).point?;
         Some((seen, point))
@@ -70,8 +73,12 @@ impl TestScene {
         Trial { view, light: CheckedLight::new(light).expect("valid"), drag }
     }
 
-    pub fn converges(&self, trial: &Trial) -> bool {
-        drag(&self.bvh, &trial.view, &trial.light, &trial.drag).status == DragStatus::Landed
+    pub fn run(&self, trial: &Trial) -> DragResult {
+        drag(&self.bvh, &trial.view, &trial.light, &trial.drag)
+    }
+
+    pub fn reference(&self) -> Reference {
+        Reference::new(Arc::clone(&self.bvh.posed))
     }
 
     /// Finds a pixel whose surface is outside the light.
@@ -79,7 +86,7 @@ impl TestScene {
         let mut random = Random(3);
         loop {
             let pixel = random.pixel();
-            if self.seen(pixel).is_some() && self.place(light, pixel).is_none() {
+            if self.seen(pixel).is_some() && self.tube_point(light, pixel).is_none() {
                 return pixel;
             }
         }
@@ -122,32 +129,25 @@ pub fn trials(scene: &TestScene, feature: Feature, count: usize) -> impl Iterato
     })
 }
 
-fn trial(
-    scene: &TestScene,
-    random: &mut Random,
-    feature: Feature,
-    deforms: bool,
-    is_large: bool,
-) -> Option<Trial> {
+fn trial(scene: &TestScene, random: &mut Random, feature: Feature, deforms: bool, is_large: bool) -> Option<Trial> {
     let aim = scene.seen(random.pixel())?;
     let extent = scene.bvh.posed.half_extent.length().min(1.5 * aim.depth);
     let light = random.light(aim.position + scene.bvh.posed.origin_in_world, extent)?;
     let from = begin(scene, random, &light, feature)?;
     let to = if is_large { random.pixel() } else { from + random.vector().truncate() * 38.0 };
-    scene.place(&light, to)?;
+    scene.tube_point(&light, to)?;
     let last = light.light().points().len();
-    let points = deforms
-        .then(|| if random.between(0.0, 1.0) < 0.5 { vec![last - 2, last - 1] } else { (1..last).collect() });
-    let drag =
-        Drag { feature, points, radii: RadiusMode::Keep, from, to, pins: Vec::new(), source_outside: false };
+    let points =
+        deforms.then(|| if random.between(0.0, 1.0) < 0.5 { vec![last - 2, last - 1] } else { (1..last).collect() });
+    let drag = Drag { feature, points, radii: RadiusMode::Keep, from, to, pins: Vec::new(), source_outside: false };
     Some(Trial { view: scene.view.clone(), light, drag })
 }
 
 /// Finds a pixel that has the feature, nearly enough.
 fn begin(scene: &TestScene, random: &mut Random, light: &CheckedLight, feature: Feature) -> Option<DVec2> {
     let off = |pixel: DVec2| {
-        let (seen, point) = scene.place(light, pixel)?;
-        let wanted = match feature {
+        let (seen, point) = scene.tube_point(light, pixel)?;
+        let target = match feature {
             Feature::Shadow => {
                 let path = scene.bvh.bent_path(light.tube()?, point.v, point.w);
                 let near = 1e-6 * seen.depth;
@@ -159,7 +159,7 @@ fn begin(scene: &TestScene, random: &mut Random, light: &CheckedLight, feature: 
             Feature::Highlight => seen.normal * (2.0 * seen.normal.dot(seen.to_eye)) - seen.to_eye,
             Feature::Diffuse => seen.normal,
         };
-        Some(point.direction.distance(wanted))
+        Some(point.direction.distance(target))
     };
     let pixels = (0..200).map(|_| random.pixel()).collect::<Vec<_>>();
     let offs = pixels.into_iter().filter_map(|pixel| Some((off(pixel)?, pixel)));

@@ -34,7 +34,7 @@ fn a_step_checks_its_light_once() {
 fn a_drag_checks_its_light_at_each_update() {
     let mut studio = TestSession::new();
     let ada = actor("ada");
-    studio.session.begin_gesture("g", KEY, 1, (7, &ada), 0).expect("nobody holds the light");
+    studio.session.begin_gesture("g", KEY, 1, 7, &ada, 0).expect("nobody holds the light");
     for (update, command, is_valid) in
         [(1, position(2, 0.5, -4.0), true), (2, position(2, 30.0, -1.0), false), (3, angle(40.0), true)]
     {

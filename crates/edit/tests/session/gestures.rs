@@ -12,13 +12,25 @@ fn is_stale(refusal: &EditRefusal) -> bool {
 }
 
 impl TestSession {
+    /// Makes a session in which Ada has begun the gesture "g" on its light.
+    fn dragged_by_ada() -> Self {
+        let mut studio = Self::new();
+        studio.begin("ada", "g").expect("nobody holds the light");
+        studio
+    }
+
     fn begin(&mut self, who: &str, id: &str) -> Result<Gesture, EditRefusal> {
         let seq = self.session.seq();
-        self.session.begin_gesture(id, KEY, seq, (7, &actor(who)), 0).cloned()
+        self.session.begin_gesture(id, KEY, seq, 7, &actor(who), 0).cloned()
     }
 
     fn update(&mut self, who: &str, id: &str, update: u64, command: Command) -> Result<Gesture, EditRefusal> {
         self.session.update_gesture(id, update, command, &actor(who), 0, CommandContext::default()).cloned()
+    }
+
+    /// Updates Ada's gesture "g" at the time `now_ms`.
+    fn update_at(&mut self, now_ms: u64, command: Command) -> Result<(), EditRefusal> {
+        self.session.update_gesture("g", 1, command, &actor("ada"), now_ms, CommandContext::default()).map(drop)
     }
 
     fn live_angle(&self) -> f64 {
@@ -29,8 +41,7 @@ impl TestSession {
 /// Rules: GEST-1
 #[test]
 fn a_drag_is_live_while_it_lasts_and_one_record_in_the_end() {
-    let mut studio = TestSession::new();
-    studio.begin("ada", "g").expect("nobody holds the light");
+    let mut studio = TestSession::dragged_by_ada();
     for (update, degrees) in [(1, 30.0), (2, 40.0), (3, 50.0)] {
         let gesture = studio.update("ada", "g", update, angle(degrees)).expect("a valid state");
         assert_eq!((gesture.update, gesture.changes().len()), (update, 1));
@@ -94,25 +105,17 @@ fn a_drag_ends_with_its_connection_or_its_lease() {
 
     studio.begin("ada", "g").expect("it is free again");
     let later = 20_000;
-    let update = |studio: &mut TestSession, now_ms| {
-        let holder = actor("ada");
-        studio
-            .session
-            .update_gesture("g", 1, angle(50.0), &holder, now_ms, CommandContext::default())
-            .map(drop)
-    };
-    update(&mut studio, later).expect("a valid state");
+    studio.update_at(later, angle(50.0)).expect("a valid state");
     assert!(studio.session.expire_gestures(LEASE_MS + later).is_empty(), "30 seconds after the update");
     assert_eq!(light(&studio.session.expire_gestures(LEASE_MS + later + 1)), [KEY]);
     assert_eq!(studio.live_angle(), 25.0, "the light is as it was");
-    assert_eq!(update(&mut studio, later), Err(EditRefusal::NoGesture("g".into())));
+    assert_eq!(studio.update_at(later, angle(50.0)), Err(EditRefusal::NoGesture("g".into())));
 }
 
 /// Rules: GEST-4, CMD-2
 #[test]
 fn an_invalid_state_leaves_the_last_valid_one() {
-    let mut studio = TestSession::new();
-    studio.begin("ada", "g").expect("nobody holds the light");
+    let mut studio = TestSession::dragged_by_ada();
     studio.update("ada", "g", 1, position(2, 0.5, -4.0)).expect("a valid state");
     let live = studio.session.live_document().hash();
     let refused = studio.update("ada", "g", 2, position(2, 30.0, -1.0)).expect_err("it folds");
@@ -130,21 +133,15 @@ fn an_invalid_state_leaves_the_last_valid_one() {
 /// Rules: GEST-3, GEST-4
 #[test]
 fn an_invalid_state_renews_the_lease() {
-    let mut studio = TestSession::new();
-    studio.begin("ada", "g").expect("nobody holds the light");
-    let holder = actor("ada");
-    studio
-        .session
-        .update_gesture("g", 1, angle(90.0), &holder, 20_000, CommandContext::default())
-        .expect_err("no cone");
+    let mut studio = TestSession::dragged_by_ada();
+    studio.update_at(20_000, angle(90.0)).expect_err("no cone");
     assert!(studio.session.expire_gestures(LEASE_MS + 1).is_empty());
 }
 
 /// Rules: GEST-3
 #[test]
 fn the_lease_of_one_who_waits_is_renewed() {
-    let mut studio = TestSession::new();
-    studio.begin("ada", "g").expect("nobody holds the light");
+    let mut studio = TestSession::dragged_by_ada();
     studio.session.renew_gestures_of(&actor("ben"), 30_000);
     studio.session.renew_gestures_of(&actor("ada"), 20_000);
     assert!(studio.session.expire_gestures(LEASE_MS + 20_000).is_empty());
@@ -163,23 +160,20 @@ fn a_drag_keeps_to_its_light_and_its_holder() {
         assert_eq!(studio.update("ada", "g", 1, command), Err(EditRefusal::OtherLight("“key”".into())));
     }
     assert_eq!(studio.update("ben", "g", 1, angle(40.0)), Err(EditRefusal::NoGesture("g".into())));
-    let commit = |studio: &mut TestSession, who| {
-        studio.ask(who, EditRequest::Commit("g".into())).expect_err("refused")
-    };
+    let commit = |studio: &mut TestSession, who| studio.ask(who, EditRequest::Commit("g".into())).expect_err("refused");
     assert_eq!(commit(&mut studio, "ben"), EditRefusal::NoGesture("g".into()));
     assert_eq!(studio.begin("ada", "h"), Err(EditRefusal::GestureExists("h".into())), "one a light");
     assert_eq!(commit(&mut studio, "ada"), EditRefusal::OtherLight("“key”".into()), "the last reason");
     studio.begin("ada", "g").expect("nobody holds the light");
     assert_eq!(commit(&mut studio, "ada"), EditRefusal::EmptyGesture("g".into()), "nothing to commit");
-    let nowhere = studio.session.begin_gesture("g", LightId(9), 0, (7, &actor("ada")), 0).cloned();
+    let nowhere = studio.session.begin_gesture("g", LightId(9), 0, 7, &actor("ada"), 0).cloned();
     assert_eq!(nowhere.expect_err("no such light"), EditError::NoLight(LightId(9)).into());
 }
 
 /// Rules: GEST-4, GEST-1
 #[test]
 fn a_drag_without_a_valid_state_says_why_when_it_is_committed() {
-    let mut studio = TestSession::new();
-    studio.begin("ada", "g").expect("nobody holds the light");
+    let mut studio = TestSession::dragged_by_ada();
     for (update, command) in [(1, softness(2.0)), (2, angle(90.0))] {
         studio.update("ada", "g", update, command).expect_err("no such light");
     }
@@ -198,7 +192,7 @@ fn a_drag_counts_points_as_they_were_when_it_began() {
     let mut studio = TestSession::new();
     let known = studio.session.seq();
     studio.edit("ada", insert(1));
-    let stale = studio.session.begin_gesture("g", KEY, known, (7, &actor("ada")), 0).cloned();
+    let stale = studio.session.begin_gesture("g", KEY, known, 7, &actor("ada"), 0).cloned();
     assert!(is_stale(&stale.expect_err("outdated")));
 
     studio.begin("ada", "g").expect("nobody holds the light");
@@ -219,12 +213,12 @@ fn a_drag_is_rebased_on_what_its_holder_did_not_know() {
     let mut studio = TestSession::new();
     let known = studio.session.seq();
     studio.edit("ben", softness(0.5));
-    studio.session.begin_gesture("g", KEY, known, (7, &actor("ada")), 0).expect("nobody holds the light");
+    studio.session.begin_gesture("g", KEY, known, 7, &actor("ada"), 0).expect("nobody holds the light");
     studio.update("ada", "g", 1, angle(40.0)).expect("a valid state");
-    assert!(studio.committed("ada", EditRequest::Commit("g".into())).1);
+    assert!(studio.is_rebased("ada", EditRequest::Commit("g".into())));
     studio.begin("ada", "h").expect("she let go");
     studio.update("ada", "h", 1, angle(50.0)).expect("a valid state");
-    assert!(!studio.committed("ada", EditRequest::Commit("h".into())).1);
+    assert!(!studio.is_rebased("ada", EditRequest::Commit("h".into())));
 }
 
 /// Rules: GEST-1
@@ -237,7 +231,7 @@ fn a_session_has_so_many_drags_at_once() {
     let lights: Vec<_> = studio.session.document().lights().keys().copied().collect();
     let mut begun = lights.iter().enumerate().map(|(index, &light)| {
         let id = index.to_string();
-        studio.session.begin_gesture(&id, light, studio.session.seq(), (7, &actor("ada")), 0).map(drop)
+        studio.session.begin_gesture(&id, light, studio.session.seq(), 7, &actor("ada"), 0).map(drop)
     });
     assert!(begun.by_ref().take(MAX_GESTURES).all(|begun| begun.is_ok()));
     let refused = begun.next().expect("one more light").expect_err("too many");

@@ -33,7 +33,7 @@ fn is_seen(record: &Record, who: &str, scope: UndoScope) -> bool {
 /// UNDO-7. Returns true if a change of the record, or its changes of one light, can be reverted in the present
 /// document.
 fn can_revert_something(document: &Document, record: &Record) -> bool {
-    let inverses: Vec<_> = record.changes.iter().rev().map(Change::inverse).collect();
+    let inverses = Change::inverses(&record.changes);
     let lights: BTreeSet<_> = inverses.iter().filter_map(Change::light).collect();
     let of_light = |light| inverses.iter().filter(move |change| change.light() == Some(light));
     let single = inverses.iter().filter(|change| change.light().is_none()).map(|change| vec![change.clone()]);
@@ -52,14 +52,12 @@ fn undo_target(log: &[Record], document: &Document, who: &str, scope: UndoScope)
 /// UNDO-3. Returns the latest undo of that scope in effect, with no edit since by the actor or by anybody, of which
 /// something is left.
 fn redo_target(log: &[Record], document: &Document, who: &str, scope: UndoScope) -> Option<u64> {
-    let of_scope =
-        |record: &&Record| matches!(record.action, Action::Undo { scope: its, .. } if its == scope);
+    let of_scope = |record: &&Record| matches!(record.action, Action::Undo { scope: its, .. } if its == scope);
     let undos = log.iter().rev().filter(of_scope).filter(|record| is_seen(record, who, scope));
-    let is_ended = |undo: &Record| {
-        log.iter().any(|later| later.seq > undo.seq && is_edit(later) && is_seen(later, who, scope))
-    };
-    let mut left = undos
-        .filter(|undo| is_in_effect(log, undo) && !is_ended(undo) && can_revert_something(document, undo));
+    let is_ended =
+        |undo: &Record| log.iter().any(|later| later.seq > undo.seq && is_edit(later) && is_seen(later, who, scope));
+    let mut left =
+        undos.filter(|undo| is_in_effect(log, undo) && !is_ended(undo) && can_revert_something(document, undo));
     left.next().map(|undo| undo.seq)
 }
 
@@ -104,10 +102,7 @@ fn the_model_sees_who_did_what() {
     studio.undo("ben");
     let document = studio.session.document();
     let model = |log: &[Record]| {
-        (
-            undo_target(log, document, "ada", UndoScope::Mine),
-            redo_target(log, document, "ben", UndoScope::Mine),
-        )
+        (undo_target(log, document, "ada", UndoScope::Mine), redo_target(log, document, "ben", UndoScope::Mine))
     };
     assert_eq!(model(&studio.log), (Some(2), Some(4)));
     let mut planted = studio.log.clone();

@@ -35,10 +35,9 @@ pub fn random_steps(actors: &'static [&'static str], steps: usize) -> impl Strat
 /// Makes the request of a step, with ids that exist.
 pub fn request(step: RandomStep, studio: &TestSession) -> EditRequest {
     match step {
-        RandomStep::Edit(command) => EditRequest::Edit {
-            base_seq: None,
-            command: with_existing_ids(*command, studio.session.document()),
-        },
+        RandomStep::Edit(command) => {
+            EditRequest::Edit { base_seq: None, command: with_existing_ids(*command, studio.session.document()) }
+        }
         RandomStep::Group(commands) => {
             let mut draft = studio.session.document().clone();
             let mut edits = Vec::new();

@@ -54,8 +54,7 @@ fn values_that_do_not_follow_are_refused() {
         vec![Change::LightParameter { light: LightId(1), parameter: CONE_ANGLE.row(), old, new }]
     };
     let conflict = |error: ReplayError, at: u64| {
-        let is_conflict =
-            matches!(&error, ReplayError::Record { seq, reason: EditError::Conflict(_) } if *seq == at);
+        let is_conflict = matches!(&error, ReplayError::Record { seq, reason: EditError::Conflict(_) } if *seq == at);
         assert!(is_conflict, "{error}");
     };
     conflict(with(|log| log[2].changes = parameter(31.0, 40.0)), 3);
@@ -70,10 +69,7 @@ fn values_that_do_not_follow_are_refused() {
         2,
     );
     let invalid = with(|log| log[8].changes = parameter(40.0, 90.0));
-    assert!(
-        matches!(invalid, ReplayError::Record { seq: 9, reason: EditError::InvalidLight { .. } }),
-        "{invalid}"
-    );
+    assert!(matches!(invalid, ReplayError::Record { seq: 9, reason: EditError::InvalidLight { .. } }), "{invalid}");
 }
 
 /// Rules: UNDO-1, UNDO-3
@@ -96,8 +92,7 @@ fn a_scene_that_is_missing_is_named() {
     let load = Command::LoadScene { asset: nowhere, name: "nowhere".into() };
     let mut studio = TestSession::new();
     let before = (studio.hash(), studio.session.seq());
-    let missing =
-        studio.ask("ada", EditRequest::Edit { base_seq: None, command: load }).expect_err("no scene");
+    let missing = studio.ask("ada", EditRequest::Edit { base_seq: None, command: load }).expect_err("no scene");
     assert_eq!(missing, EditRefusal::Edit(EditError::UnknownAsset(nowhere)));
     assert!(missing.to_string().contains(&nowhere.hex()));
     assert_eq!((studio.hash(), studio.session.seq()), before);

@@ -21,8 +21,7 @@ fn points_counted_before_a_renumbering_are_stale() {
         let mut silent = studio.clone();
         silent.ask("ada", EditRequest::Edit { base_seq: None, command }).expect("the sender does not say");
     }
-    let (_, rebased) = studio.committed("ada", based(known, angle(30.0)));
-    assert!(rebased, "what counts no points is only rebased");
+    assert!(studio.is_rebased("ada", based(known, angle(30.0))), "what counts no points is only rebased");
     studio.undo("ben");
     let refused = studio.ask("ada", based(renumbering, radius(1, 0.3))).expect_err("renumbered again");
     assert!(matches!(refused, EditRefusal::Stale { .. }), "{refused}");
@@ -35,13 +34,13 @@ fn rebased_means_that_another_changed_the_same_light() {
     studio.edit("rig", Command::AddLight(bent_light()));
     let known = studio.session.seq();
     studio.edit("ada", angle(30.0));
-    assert!(!studio.committed("ada", based(known, angle(31.0))).1, "only herself");
+    assert!(!studio.is_rebased("ada", based(known, angle(31.0))), "only herself");
     studio.edit("ben", Command::RemoveLight(LightId(2)));
-    assert!(!studio.committed("ada", based(known, angle(32.0))).1, "another light");
+    assert!(!studio.is_rebased("ada", based(known, angle(32.0))), "another light");
     let theirs = studio.edit("ben", softness(0.5)).seq;
-    assert!(studio.committed("ada", based(known, angle(33.0))).1);
-    assert!(!studio.committed("ada", based(theirs, angle(34.0))).1, "she knew that");
-    assert!(studio.committed("ben", based(theirs, softness(0.6))).1, "he did not know hers");
+    assert!(studio.is_rebased("ada", based(known, angle(33.0))));
+    assert!(!studio.is_rebased("ada", based(theirs, angle(34.0))), "she knew that");
+    assert!(studio.is_rebased("ben", based(theirs, softness(0.6))), "he did not know hers");
 }
 
 /// Rules: CMD-3, CMD-4

@@ -50,27 +50,26 @@ impl TestSession {
     pub fn ask(&mut self, who: &str, request: EditRequest) -> Result<Record, EditRefusal> {
         let op_id = format!("op {}", self.session.seq() + 1);
         let record = |seq: u64| self.log.get(seq as usize - 1).cloned();
-        let taken_back = self.session.find_revert(&request, who, &record)?;
+        let reverted = self.session.find_revert(&request, who, &record)?;
         let loaded = match &request {
             EditRequest::Edit { command: Command::LoadScene { asset, .. }, .. } => find_scene(*asset),
             _ => None,
         };
         let context = CommandContext { loaded: loaded.as_ref(), ..CommandContext::default() };
-        let sources = EditSources { context, reverted: taken_back };
+        let sources = EditSources { context, reverted };
         let record = self.session.execute_request(request, &actor(who), &op_id, 0, sources)?;
         self.log.push(record.clone());
         Ok(record)
     }
 
-    /// Returns the record of a request that must succeed, and true if it was rebased.
-    pub fn committed(&mut self, who: &str, request: EditRequest) -> (Record, bool) {
-        let record = self.ask(who, request).expect("a valid request");
-        let rebased = record.action.rebased();
-        (record, rebased)
+    /// Returns the record of a request that must succeed.
+    pub fn done(&mut self, who: &str, request: EditRequest) -> Record {
+        self.ask(who, request).expect("a valid request")
     }
 
-    pub fn done(&mut self, who: &str, request: EditRequest) -> Record {
-        self.committed(who, request).0
+    /// Returns true if a request that must succeed was rebased.
+    pub fn is_rebased(&mut self, who: &str, request: EditRequest) -> bool {
+        self.done(who, request).action.rebased()
     }
 
     pub fn edit(&mut self, who: &str, command: Command) -> Record {

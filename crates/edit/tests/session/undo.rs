@@ -38,8 +38,7 @@ fn mine_passes_over_the_steps_of_others() {
 #[test]
 fn session_takes_back_whoever_was_last() {
     let mut studio = TestSession::new();
-    let undo =
-        |studio: &mut TestSession| studio.done("cyd", EditRequest::Undo(UndoScope::Session)).changes.len();
+    let undo = |studio: &mut TestSession| studio.done("cyd", EditRequest::Undo(UndoScope::Session)).changes.len();
     studio.edit("ada", angle(40.0));
     studio.edit("ben", softness(0.5));
     undo(&mut studio);
@@ -53,17 +52,10 @@ fn session_takes_back_whoever_was_last() {
 
 /// Rules: UNDO-2
 #[test]
-fn what_somebody_else_changed_since_is_skipped_and_named() {
+fn undo_skips_and_names_later_changes_of_others() {
     let mut studio = TestSession::new();
-    studio.edit(
-        "ada",
-        Command::PlaceLight {
-            light: KEY,
-            translation: Some(DVec3::X),
-            rotation: Some(DQuat::from_rotation_x(0.5)),
-            scale: None,
-        },
-    );
+    let (translation, rotation) = (Some(DVec3::X), Some(DQuat::from_rotation_x(0.5)));
+    studio.edit("ada", Command::PlaceLight { light: KEY, translation, rotation, scale: None });
     studio.edit("ben", Command::SetLight { light: KEY, setting: TRANSLATION.to(DVec3::Y) });
     let undo = studio.undo("ada");
     assert_eq!(undo.action.skipped(), ["BEN has changed the translation of “key” since"]);
@@ -80,10 +72,7 @@ fn a_step_of_which_nothing_is_left_is_passed_over() {
     studio.edit("ben", radius(1, 0.35));
     let undo = studio.undo("ada");
     let gone = "BEN has changed the radius of control point 1 of “key” since";
-    assert_eq!(
-        undo.action,
-        Action::Undo { scope: UndoScope::Mine, target: first.seq, skipped: vec![gone.into()] }
-    );
+    assert_eq!(undo.action, Action::Undo { scope: UndoScope::Mine, target: first.seq, skipped: vec![gone.into()] });
     assert_eq!((studio.softness(), studio.radius(1)), (0.2, 0.35));
 
     let seq = studio.session.seq();
@@ -124,24 +113,15 @@ fn who_changed_it_since_is_the_one_who_did() {
     studio.edit("ada", radius(1, 0.3));
     studio.edit("ben", radius(1, 0.35));
     studio.edit("cyd", softness(0.6));
-    let why = |studio: &TestSession| {
-        let refused =
-            studio.clone().ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("changed since");
-        refused.to_string()
+    let check = |studio: &TestSession, expected: &str| {
+        let refused = studio.clone().ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("changed since");
+        assert!(refused.to_string().ends_with(expected), "{refused}, not {expected}");
     };
-    assert!(
-        why(&studio).ends_with("BEN has changed the radius of control point 1 of “key” since"),
-        "{}",
-        why(&studio)
-    );
+    check(&studio, "BEN has changed the radius of control point 1 of “key” since");
     studio.edit("ben", softness(0.7));
-    assert!(
-        why(&studio).ends_with("somebody has changed the radius of control point 1 of “key” since"),
-        "{}",
-        why(&studio)
-    );
+    check(&studio, "somebody has changed the radius of control point 1 of “key” since");
     studio.edit("cyd", Command::RemoveLight(KEY));
-    assert!(why(&studio).ends_with("CYD has removed “key” since"), "{}", why(&studio));
+    check(&studio, "CYD has removed “key” since");
 }
 
 /// A command without an effect is a record all the same. Undo takes the step before it.
@@ -197,7 +177,7 @@ fn a_point_of_an_outdated_numbering_is_skipped() {
 
 /// Rules: UNDO-2, CMD-2
 #[test]
-fn what_would_leave_a_fold_is_skipped() {
+fn undo_skips_a_change_that_would_fold_the_tube() {
     let mut studio = TestSession::new();
     studio.edit("ada", radius(1, 0.05));
     studio.edit("ada", radius(2, 0.05));
@@ -205,7 +185,7 @@ fn what_would_leave_a_fold_is_skipped() {
     // A bend that the thin tube can have and the wide one cannot.
     studio.edit("ben", position(2, 1.2, -2.0));
     let before = studio.hash();
-    // Of her two steps the later one would leave the fold, and then so would the earlier one.
+    // The later of her two steps would leave the fold, and then so would the earlier one.
     let refused = studio.ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("a fold");
     let why = refused.to_string();
     let stays = "there is nothing to undo: the radius of control point 2 of “key” cannot go back: ";
@@ -215,7 +195,7 @@ fn what_would_leave_a_fold_is_skipped() {
 
 /// Rules: UNDO-2, CMD-3
 #[test]
-fn what_is_gone_is_skipped() {
+fn undo_skips_a_removed_light() {
     let mut studio = TestSession::new();
     studio.edit("ada", angle(40.0));
     studio.edit("ben", Command::RemoveLight(KEY));
@@ -228,28 +208,25 @@ fn what_is_gone_is_skipped() {
 /// Rules: UNDO-3, UNDO-5
 #[test]
 fn an_edit_ends_what_its_actor_can_redo() {
-    let nothing = |studio: &mut TestSession, who: &str, scope| {
-        studio
-            .clone()
-            .ask(who, EditRequest::Redo(scope))
-            .is_err_and(|refusal| refusal == EditRefusal::NothingToRedo { passed: None })
+    let nothing = |studio: &TestSession, who: &str, scope| {
+        studio.clone().ask(who, EditRequest::Redo(scope)) == Err(EditRefusal::NothingToRedo { passed: None })
     };
     let mut studio = TestSession::new();
-    assert!(nothing(&mut studio, "ada", UndoScope::Mine) && nothing(&mut studio, "ada", UndoScope::Session));
+    assert!(nothing(&studio, "ada", UndoScope::Mine) && nothing(&studio, "ada", UndoScope::Session));
     studio.edit("ada", angle(40.0));
     studio.undo("ada");
-    assert!(!nothing(&mut studio, "ada", UndoScope::Mine));
-    assert!(nothing(&mut studio, "ada", UndoScope::Session), "it was not undone for the session");
-    assert!(nothing(&mut studio, "ben", UndoScope::Mine), "it is not his");
+    assert!(!nothing(&studio, "ada", UndoScope::Mine));
+    assert!(nothing(&studio, "ada", UndoScope::Session), "it was not undone for the session");
+    assert!(nothing(&studio, "ben", UndoScope::Mine), "it is not his");
     studio.edit("ben", softness(0.5));
-    assert!(!nothing(&mut studio, "ada", UndoScope::Mine), "another's edit ends nothing of hers");
+    assert!(!nothing(&studio, "ada", UndoScope::Mine), "another's edit ends nothing of hers");
     studio.edit("ada", softness(0.6));
-    assert!(nothing(&mut studio, "ada", UndoScope::Mine));
+    assert!(nothing(&studio, "ada", UndoScope::Mine));
 
     studio.done("ada", EditRequest::Undo(UndoScope::Session));
-    assert!(!nothing(&mut studio, "ben", UndoScope::Session), "anybody can redo for the session");
+    assert!(!nothing(&studio, "ben", UndoScope::Session), "anybody can redo for the session");
     studio.edit("cyd", angle(50.0));
-    assert!(nothing(&mut studio, "ben", UndoScope::Session), "and any edit ends it");
+    assert!(nothing(&studio, "ben", UndoScope::Session), "and any edit ends it");
 }
 
 /// Rules: UNDO-3, UNDO-1
@@ -296,8 +273,7 @@ fn a_scripts_batch_takes_nobody_elses_steps() {
     let undo = studio.undo("ada");
     assert!(matches!(undo.action, Action::Undo { target: 2, .. }), "{:?}", undo.action);
     assert_eq!(studio.angle(), 25.0);
-    let undone =
-        (0..=MAX_UNDO_DEPTH).take_while(|_| studio.ask("script", EditRequest::Undo(UndoScope::Mine)).is_ok());
+    let undone = (0..=MAX_UNDO_DEPTH).take_while(|_| studio.ask("script", EditRequest::Undo(UndoScope::Mine)).is_ok());
     assert_eq!(undone.count(), MAX_UNDO_DEPTH, "its own first step is past the limit");
 }
 

@@ -22,8 +22,7 @@ pub struct DistanceRamps {
 
 impl DistanceRamps {
     /// No cut: every path length lies past the first ramp and before the second.
-    pub const NONE: Self =
-        Self { on_start: -1.0, on_inverse_width: 1.0, off_start: 0.0, off_inverse_width: 0.0 };
+    pub const NONE: Self = Self { on_start: -1.0, on_inverse_width: 1.0, off_start: 0.0, off_inverse_width: 0.0 };
 
     /// Cuts of a checked light.
     pub fn of(light: &Light) -> Self {
@@ -48,9 +47,9 @@ impl DistanceRamps {
 
 /// Returns the ramp from 0 to 1 over the first `1 / inverse_width`. It is 0 at 0 itself, however steep.
 #[inline(always)]
-fn ramp<F: Lanes>(past: F, inverse_width: F) -> F {
+fn ramp<F: Lanes>(beyond: F, inverse_width: F) -> F {
     let (zero, one) = (F::of(0.0), F::of(1.0));
-    let x = F::select(past.gt(zero), (past * inverse_width).least(one), zero);
+    let x = F::select(beyond.gt(zero), (beyond * inverse_width).least(one), zero);
     x * x * (F::of(3.0) - F::of(2.0) * x)
 }
 

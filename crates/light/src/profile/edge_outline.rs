@@ -19,12 +19,12 @@ impl EdgeOutline {
         Self { pieces: falloff.map_or_else(Vec::new, |falloff| falloff.pieces()) }
     }
 
-    /// Returns true if the share is 1 all around.
+    /// Returns true if the edge has the full radius all around.
     pub fn is_uniform(&self) -> bool {
         self.pieces.is_empty()
     }
 
-    /// Returns the share in the direction of (v, w).
+    /// Returns the radius of the edge, as a share of the full radius, in the direction of (v, w) from the axis.
     #[inline(always)]
     pub fn share<F: Lanes>(&self, v: F, w: F) -> F {
         let (zero, one) = (F::of(0.0), F::of(1.0));
@@ -36,9 +36,9 @@ impl EdgeOutline {
         // The last piece that begins before the angle applies.
         for piece in &self.pieces {
             let [from, to] = piece.values.map(F::of);
-            let past = (degrees - F::of(piece.start_degrees)) * F::of(piece.inverse_length);
-            let there = from + (to - from) * past.within(zero, one);
-            share = F::select(degrees.ge(F::of(piece.start_degrees)), there, share);
+            let start = F::of(piece.start_degrees);
+            let u = ((degrees - start) * F::of(piece.inverse_length)).within(zero, one);
+            share = F::select(degrees.ge(start), from + (to - from) * u, share);
         }
         share
     }

@@ -13,8 +13,8 @@ use crate::emission::emission;
 use crate::lanes::Lanes;
 use crate::parameter::ValueType;
 use crate::parameters::{
-    COLOR, COLOR_TEMPERATURE, CONE_ANGLE, DECAY, DECAY_START, DIFFUSE, ENABLE_COLOR_TEMPERATURE, ENABLED,
-    EXPOSURE, INTENSITY, SHADOW_COLOR, SHADOW_ENABLE, SPECULAR,
+    COLOR, COLOR_TEMPERATURE, CONE_ANGLE, DECAY, DECAY_START, DIFFUSE, ENABLE_COLOR_TEMPERATURE, ENABLED, EXPOSURE,
+    INTENSITY, SHADOW_COLOR, SHADOW_ENABLE, SPECULAR,
 };
 use crate::{Decay, Light, LightCoords, ParameterKey};
 
@@ -63,11 +63,7 @@ impl LightProfile {
             specular: light.get(SPECULAR),
             shadow_enable: light.get(SHADOW_ENABLE),
             shadow_color: light.get(SHADOW_COLOR).max(DVec3::ZERO),
-            profile: if light.value(&CONE_ANGLE).is_some() {
-                CrossFalloff::of(light)
-            } else {
-                CrossFalloff::FLAT
-            },
+            profile: if light.value(&CONE_ANGLE).is_some() { CrossFalloff::of(light) } else { CrossFalloff::FLAT },
             section: SectionOutline::of(light),
             radial: EdgeOutline::of(light),
             decay: own_value(light, DECAY).unwrap_or_default(),
@@ -106,31 +102,30 @@ impl LightProfile {
     }
 }
 
-/// Computes the irradiance on a surface perpendicular to the light, linear RGB, without visibility:
-/// `emission tint profile(rho) cut(s) decay(s)`. `rho` follows from the position in the cross-section.
-pub fn irradiance(filter: &LightProfile, emission: DVec3, place: &LightCoords) -> DVec3 {
-    emission * filter.tint * filter.attenuation_at(place.v, place.w, place.s)
-}
-
 impl LightProfile {
+    /// Computes the irradiance on a surface perpendicular to the light, linear RGB, without visibility:
+    /// `emission tint profile(rho) cut(s) decay(s)`. `rho` follows from the position in the cross-section.
+    pub fn irradiance(&self, emission: DVec3, coords: &LightCoords) -> DVec3 {
+        emission * self.tint * self.attenuation_at(coords.v, coords.w, coords.s)
+    }
+
     /// Returns the share of the light that remains at (v, w) after a path of length `s` in world units.
     #[inline(always)]
     pub fn attenuation_at<F: Lanes>(&self, v: F, w: F, s: F) -> F {
         let along = self.distance_ramps.at(s) * self.decay.at(s.most(F::of(self.min_distance)));
-        across(self, v, w) * along
+        self.across(v, w) * along
     }
-}
 
-/// Returns the factor of the position across the light. Light outside an outline is cut if the light does not end there
-/// by itself.
-#[inline(always)]
-fn across<F: Lanes>(filter: &LightProfile, v: F, w: F) -> F {
-    let share = filter.radial.share(v, w);
-    let rho2 = filter.section.rho2(v, w) / (share * share);
-    if filter.section == SectionOutline::Circle && filter.radial.is_uniform() {
-        return filter.profile.at(rho2);
+    /// Returns the factor of the position across the light. Light outside an outline is cut if the light does not end
+    /// there by itself.
+    #[inline(always)]
+    fn across<F: Lanes>(&self, v: F, w: F) -> F {
+        let share = self.radial.share(v, w);
+        let rho2 = self.section.rho2(v, w) / (share * share);
+        let falloff = self.profile.at(rho2);
+        let ends_at_edge = self.section == SectionOutline::Circle && self.radial.is_uniform();
+        if ends_at_edge { falloff } else { F::select(rho2.gt(F::of(1.0)), F::of(0.0), falloff) }
     }
-    F::select(rho2.gt(F::of(1.0)), F::of(0.0), filter.profile.at(rho2))
 }
 
 fn tint(light: &Light) -> DVec3 {

@@ -40,7 +40,7 @@ impl SectionOutline {
         let (x, y) = (v.abs() * F::of(scale[0]), w.abs() * F::of(scale[1]));
         // The larger one is factored out, so that no power overflows.
         let (most, least) = (x.most(y), x.least(y));
-        let share = choose!(F, most.gt(F::of(0.0)), least / most, F::of(0.0));
+        let share = choose!(F::select, most.gt(F::of(0.0)), least / most, F::of(0.0));
         let rho = most * (F::of(1.0) + share.pow(power)).pow(power.recip());
         rho * rho
     }

@@ -4,8 +4,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use crate::build::check_values;
 use crate::parameters::{CONE_ANGLE, RANGE};
-use crate::profile::{LightProfile, irradiance};
-use crate::{Light, LightCoords, LightError};
+use crate::{Light, LightCoords, LightError, LightProfile};
 
 /// Checked spotlight, prepared for evaluation (light model, section 6). It shines along its -z.
 #[derive(Clone, Debug)]
@@ -28,7 +27,7 @@ impl Cone {
         let transform = light.transform();
         Ok(Self {
             translation: transform.translation,
-            rotation: DMat3::from_quat(transform.rotation.normalize()),
+            rotation: transform.world_from_local_axes(),
             tan_outer: libm::tan(light.get(CONE_ANGLE).to_radians()),
             range: light.get(RANGE),
             light_profile: LightProfile::of(light, 0.0),
@@ -36,6 +35,19 @@ impl Cone {
     }
 
     /// Locates a point, given from the source in world axes; `None` outside the cone.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use light::parameters::RANGE;
+    /// use light::{Cone, Light};
+    ///
+    /// let cone = Cone::new(&Light::spot().with(RANGE, Some(4.0)))?;
+    /// let coords = cone.locate(DVec3::new(0.0, 0.0, -2.0)).expect("on the axis");
+    /// assert_eq!((coords.t, coords.s, coords.direction), (0.5, 2.0, DVec3::Z));
+    /// assert_eq!(cone.irradiance(&coords), DVec3::splat(0.25));
+    /// assert_eq!(cone.locate(DVec3::Z), None);
+    /// # Ok::<(), light::LightError>(())
+    /// ```
     pub fn locate(&self, from_source: DVec3) -> Option<LightCoords> {
         let position = self.rotation.transpose() * from_source;
         let (depth, s) = (-position.z, position.length());
@@ -51,7 +63,7 @@ impl Cone {
     }
 
     /// Returns the irradiance on a surface perpendicular to the light, linear RGB, without visibility.
-    pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
-        irradiance(&self.light_profile, DVec3::ONE, place)
+    pub fn irradiance(&self, coords: &LightCoords) -> DVec3 {
+        self.light_profile.irradiance(DVec3::ONE, coords)
     }
 }

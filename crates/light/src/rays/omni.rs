@@ -4,8 +4,7 @@ use glam::{DMat3, DVec3};
 
 use crate::build::check_values;
 use crate::parameters::RANGE;
-use crate::profile::{LightProfile, irradiance};
-use crate::{Light, LightCoords, LightError};
+use crate::{Light, LightCoords, LightError, LightProfile};
 
 /// Checked omni light, prepared for evaluation.
 #[derive(Clone, Debug)]
@@ -26,7 +25,7 @@ impl Omni {
         let transform = light.transform();
         Ok(Self {
             translation: transform.translation,
-            rotation: DMat3::from_quat(transform.rotation.normalize()),
+            rotation: transform.world_from_local_axes(),
             range: light.get(RANGE),
             light_profile: LightProfile::of(light, 0.0),
         })
@@ -44,17 +43,17 @@ impl Omni {
     }
 
     /// Returns the irradiance on a surface perpendicular to the light, linear RGB, without visibility.
-    pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
-        irradiance(&self.light_profile, DVec3::ONE, place)
+    pub fn irradiance(&self, coords: &LightCoords) -> DVec3 {
+        self.light_profile.irradiance(DVec3::ONE, coords)
     }
 }
 
-/// Intersects the ray along the nonzero vector `way` with a cube from -1 to 1. Returns the coordinates on the face, to
-/// the left and upwards, seen from within. On the four faces around the light up is its +y. Ahead, at -z, is down on
-/// the face above and up on the face below.
-pub fn on_cube(way: DVec3) -> [f64; 2] {
-    let DVec3 { x, y, z } = way;
-    let size = way.abs();
+/// Intersects the ray along the nonzero vector `direction` with a cube from -1 to 1. Returns the coordinates on the
+/// face, to the left and upwards, seen from within. On the four faces around the light up is its +y. Ahead, at -z, is
+/// down on the face above and up on the face below.
+pub fn on_cube(direction: DVec3) -> [f64; 2] {
+    let DVec3 { x, y, z } = direction;
+    let size = direction.abs();
     if size.y > size.x.max(size.z) {
         [-x / size.y, if y > 0.0 { z } else { -z } / size.y]
     } else if size.x > size.z {

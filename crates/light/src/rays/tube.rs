@@ -6,11 +6,12 @@ use crate::arc::arc_length;
 use crate::build::{self, Placement};
 use crate::curve::Curve;
 use crate::frame::perpendicular_up;
-use crate::lanes::{Lanes, Mask, choose_vec};
+use crate::lanes::{Lanes, Mask, choose};
 use crate::parameters::{DIRECTION, END_MODE, FRAME};
-use crate::profile::{LightProfile, irradiance};
 use crate::solve::{Roots, increasing_roots};
-use crate::{ControlPoint, DirectionMode, EndMode, FrameMode, Light, LightCoords, LightError, Real, Segment};
+use crate::{
+    ControlPoint, DirectionMode, EndMode, FrameMode, Light, LightCoords, LightError, LightProfile, Real, Segment,
+};
 
 /// Checked BendyLight, prepared for evaluation in `F` (light model, sections 1 to 6).
 ///
@@ -122,8 +123,7 @@ impl Tube<f64> {
     /// Prepares `light`, from which this tube was made, with other control points. The result has the same bits as that
     /// of [`Tube::new`]. The light's other values are not checked again.
     pub fn with_points(&self, light: &Light, points: &[ControlPoint]) -> Result<Self, LightError> {
-        let (segments, placement) =
-            build::segments_of_points(points, light.transform(), self.up, light.get(END_MODE))?;
+        let (segments, placement) = build::segments_of_points(points, light.transform(), self.up, light.get(END_MODE))?;
         let light_profile = self.light_profile.clone().with_min_distance(light, least_distance(&placement));
         Ok(Self { segments, n: points.len() - 2, placement, light_profile, ..*self })
     }
@@ -134,14 +134,27 @@ impl Tube<f64> {
     }
 
     /// Returns the light coordinates of a root.
-    pub fn place_at(&self, root: &TubeRoot<f64>) -> LightCoords {
+    pub fn coords_at(&self, root: &TubeRoot<f64>) -> LightCoords {
         let TubePoint { t, v, w, direction, .. } = self.tube_point(root);
         LightCoords { t, v, w, s: self.path_length(root), direction }
     }
 
     /// Returns the irradiance at a root on a surface perpendicular to the light, linear RGB, without visibility.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use light::parameters::INTENSITY;
+    /// use light::{Light, Tube, bend};
+    ///
+    /// // A spotlight decays by the square of the distance.
+    /// let tube = Tube::new(&bend(&Light::spot().with(INTENSITY, 60.0), 3)?)?;
+    /// let q = tube.placement.tube_from_world(DVec3::new(0.0, 0.0, -2.0));
+    /// let root = tube.nearest_root(q).expect("on the axis");
+    /// assert!(tube.irradiance(&root).distance(DVec3::splat(15.0)) < 1e-12);
+    /// # Ok::<(), light::LightError>(())
+    /// ```
     pub fn irradiance(&self, root: &TubeRoot<f64>) -> DVec3 {
-        irradiance(&self.light_profile, self.segments[root.segment].emission(root.u), &self.place_at(root))
+        self.light_profile.irradiance(self.segments[root.segment].emission(root.u), &self.coords_at(root))
     }
 }
 
@@ -163,6 +176,31 @@ impl<F: Lanes> Tube<F> {
     /// Returns the end mode of the light, which follows from the segments.
     pub fn end_mode(&self) -> EndMode {
         if self.segments.len() > self.n { EndMode::Extend } else { EndMode::Cut }
+    }
+
+    /// Returns the largest `t` of the light; infinite if it is extended.
+    pub fn t_end(&self) -> f64 {
+        if self.end_mode() == EndMode::Extend { f64::INFINITY } else { self.n as f64 }
+    }
+
+    /// Returns the index of the segment at `t`, which is 0 or more, and the parameter in it. A joint lies in the later
+    /// segment.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use light::{Light, Tube};
+    ///
+    /// // Samples the centre curve at t = 1.5 in the world.
+    /// let points = (0..5).map(|k| DVec3::NEG_Z * f64::from(k)).collect();
+    /// let tube = Tube::new(&Light::bendy(points, vec![0.1; 5]))?;
+    /// let (segment, u) = tube.segment_at(1.5);
+    /// let position = tube.placement.world_from_tube(tube.segments[segment].curve.position(u));
+    /// assert_eq!((segment, u, position), (1, 0.5, DVec3::NEG_Z * 2.0));
+    /// # Ok::<(), light::LightError>(())
+    /// ```
+    pub fn segment_at(&self, t: f64) -> (usize, f64) {
+        let segment = (t as usize).min(self.segments.len() - 1);
+        (segment, t - segment as f64)
     }
 
     /// Returns the value of `f` at the start of the first segment.
@@ -255,7 +293,7 @@ impl<F: Lanes> Tube<F> {
             }
         };
         let length = F::length(tangent);
-        choose_vec!(F, length.lt(F::DIRECTION_FLOOR), -u_hat, tangent * (F::of(-1.0) / length))
+        choose!(F::select_vec, length.lt(F::DIRECTION_FLOOR), -u_hat, tangent * (F::of(-1.0) / length))
     }
 
     /// Returns the rotation `tau` of the frame about the tangent per unit of u; zero for the rotation-minimising frame.
@@ -306,20 +344,28 @@ impl<F: Real> Tube<F> {
 
     /// Returns the root with the smallest `|r| / R`, which is the one that counts (light model, section 5).
     pub fn nearest_root(&self, q: F::Vec3) -> Option<TubeRoot<F>> {
-        self.nearest_inside(q).map(|inside| self.root_at(&inside))
-    }
-
-    fn nearest_inside(&self, q: F::Vec3) -> Option<RootInTube<F>> {
         let mut best: Option<RootInTube<F>> = None;
         self.for_each_root_in_tube(q, |inside| {
             if best.is_none_or(|best| nearer(&inside, &best)) {
                 best = Some(inside);
             }
         });
-        best
+        best.map(|inside| self.root_at(&inside))
     }
 
     /// Locates a world position in the light.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use light::{Light, Tube, bend};
+    ///
+    /// let tube = Tube::new(&bend(&Light::spot(), 2)?)?;
+    /// let point = tube.locate(DVec3::new(0.0, 0.0, -0.5)).point.expect("on the axis");
+    /// assert_eq!((point.t, point.v, point.w), (1.0, 0.0, 0.0));
+    /// assert_eq!(point.direction, DVec3::Z);
+    /// assert_eq!(tube.locate(DVec3::X).point, None);
+    /// # Ok::<(), light::LightError>(())
+    /// ```
     pub fn locate(&self, point_in_world: DVec3) -> TubeLocation {
         let q = F::vec(self.placement.tube_from_world(point_in_world));
         let mut roots = Vec::new();

@@ -13,11 +13,8 @@ pub fn unit_cube() -> impl Strategy<Value = DVec3> {
 pub fn bent(bend: f64) -> impl Strategy<Value = (Light, Tube<f64>)> {
     prop::collection::vec((unit_cube(), 0.05..0.5_f64), 3..=8).prop_filter_map("folds", move |knots| {
         let start = knots[0].0 * bend;
-        let points: Vec<DVec3> = knots
-            .iter()
-            .enumerate()
-            .map(|(i, (offset, _))| *offset * bend - start - DVec3::Z * i as f64)
-            .collect();
+        let points: Vec<DVec3> =
+            knots.iter().enumerate().map(|(i, (offset, _))| *offset * bend - start - DVec3::Z * i as f64).collect();
         let light = Light::bendy(points, knots.iter().map(|k| k.1).collect());
         Tube::new(&light).ok().map(|tube| (light, tube))
     })

@@ -6,11 +6,11 @@
 mod arc_length;
 mod bending;
 mod directions;
-mod filters;
 mod frames;
+mod light_coords;
 mod lights;
 mod parts;
-mod places;
+mod profiles;
 mod refusals;
 mod slab_cover;
 mod solver;

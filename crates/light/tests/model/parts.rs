@@ -8,8 +8,7 @@ use light::{Decay, EndMode, FrameMode, Light, Tube, TubeLocation};
 /// joint, over their end and past it.
 fn lights(size: f64) -> Vec<Light> {
     let (along, aside) = (DVec3::new(0.6, -0.64, 0.48), DVec3::new(0.8, 0.48, -0.36));
-    let points =
-        [DVec3::ZERO, along * 0.3, along * 0.5 + aside * 0.1, along * 0.6 + aside * 0.3, aside * 0.6];
+    let points = [DVec3::ZERO, along * 0.3, along * 0.5 + aside * 0.1, along * 0.6 + aside * 0.3, aside * 0.6];
     let mut lights = Vec::new();
     for (end_mode, t) in [
         (EndMode::Cut, 0.5),
@@ -26,8 +25,8 @@ fn lights(size: f64) -> Vec<Light> {
                 .map_points(|i, point| point.color = DVec3::splat([1.0, 0.5, 0.25, 2.0, 1.0][i]));
             light.set(ROTATION.to(DQuat::from_xyzw(0.1, -0.5, 0.3, 0.8).normalize()));
             let tube = Tube::new(&light).expect("a light");
-            let i = (t as usize).min(tube.segments.len() - 1);
-            let at = tube.placement.world_from_tube(tube.segments[i].curve.position(t - i as f64));
+            let (segment, u) = tube.segment_at(t);
+            let at = tube.placement.world_from_tube(tube.segments[segment].curve.position(u));
             light.set(TRANSLATION.to(-at));
             lights.push(light);
         }
@@ -66,19 +65,13 @@ fn max_world_distance(tube: &Tube<f64>, points: &[DVec3], locate: impl Fn(DVec3)
 
 /// In f64 the part agrees with the light to the rounding of the light's length.
 #[test]
-fn a_part_is_the_light_there() {
+fn a_part_equals_the_light_in_its_box() {
     for size in [1e3, 1e4, 1e6] {
         for light in lights(size) {
             let tube = Tube::new(&light).expect("a light");
             let part = tube.part_near(DVec3::ZERO, DVec3::splat(2.0));
-            assert!(
-                part.t_span <= 0.0625 && part.tube.n <= 2,
-                "{size:e}: {} of {}",
-                part.t_span,
-                part.tube.n
-            );
-            let off =
-                max_world_distance(&tube, &scene(), |point| part.to_whole_light(&part.tube.locate(point)));
+            assert!(part.t_span <= 0.0625 && part.tube.n <= 2, "{size:e}: {} of {}", part.t_span, part.tube.n);
+            let off = max_world_distance(&tube, &scene(), |point| part.to_whole_light(&part.tube.locate(point)));
             assert!(off <= 1e-13 * size, "{size:e}: {off:e}");
             for point in scene() {
                 let irradiance = |tube: &Tube<f64>| {
@@ -111,20 +104,14 @@ fn f32_holds_a_small_scene() {
             let points = scene();
             let part = tube.part_near_points(&points);
             let part_f32 = Tube::<f32>::from(&part.tube);
-            after = after.max(max_world_distance(&tube, &points, |point| {
-                part.to_whole_light(&part_f32.locate(point))
-            }));
+            after = after.max(max_world_distance(&tube, &points, |point| part.to_whole_light(&part_f32.locate(point))));
             // Deliberate fault that the check must detect: the light as a whole.
             for &point in &points {
                 let (found, exact) = (whole.locate(point), tube.locate(point));
                 before = before.max(world_distance(&tube, &found, &exact).unwrap_or(0.0));
             }
         }
-        println!(
-            "{size:e} units: off by {:.1e} of a scene of 4 units, whole {:.1e}",
-            after / 4.0,
-            before / 4.0
-        );
+        println!("{size:e} units: off by {:.1e} of a scene of 4 units, whole {:.1e}", after / 4.0, before / 4.0);
         // Sixteen roundings of some ten units: of the scene and of the radius.
         assert!(after <= 16.0 * 10.0 * 2.0_f64.powi(-24), "{size:e}: {after:e}");
         assert!(before > 10.0 * after, "{size:e}: {before:e}");
@@ -133,13 +120,10 @@ fn f32_holds_a_small_scene() {
 
 /// A light that is not much longer than the box, or does not come near it, stays whole.
 #[test]
-fn an_ordinary_light_is_left_whole() {
-    let light =
-        Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -2.0)], vec![0.1, 0.4, 0.8]);
+fn a_short_or_distant_light_stays_whole() {
+    let light = Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -2.0)], vec![0.1, 0.4, 0.8]);
     let tube = Tube::new(&light).expect("a light");
-    for (center, half) in
-        [(DVec3::NEG_Z, 1.0), (DVec3::NEG_Z, 0.2), (DVec3::X * 50.0, 1.0), (DVec3::ZERO, 0.0)]
-    {
+    for (center, half) in [(DVec3::NEG_Z, 1.0), (DVec3::NEG_Z, 0.2), (DVec3::X * 50.0, 1.0), (DVec3::ZERO, 0.0)] {
         let part = tube.part_near(center, DVec3::splat(half));
         let is_whole = part.t_span == 1.0 && part.tube.n == tube.n && part.t_start == 0.0;
         assert_eq!(is_whole, half > 0.0, "{center} {half}");

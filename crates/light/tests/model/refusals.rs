@@ -4,8 +4,8 @@ use std::ops::Bound;
 
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    CONE_ANGLE, CONE_SOFTNESS, INTENSITY, LIGHT_LINK, RADIAL_FALLOFF, RANGE, ROTATION, SCALE, SHADOW_LINK,
-    TRANSLATION, UP,
+    CONE_ANGLE, CONE_SOFTNESS, INTENSITY, LIGHT_LINK, RADIAL_FALLOFF, RANGE, ROTATION, SCALE, SHADOW_LINK, TRANSLATION,
+    UP,
 };
 use light::{
     CheckedLight, ControlPoint, Light, LightError, LightWarning, Links, MAX_KNOTS, MAX_LINK_BYTES, MAX_LINKS,
@@ -33,16 +33,10 @@ fn invalid_shapes_are_refused() {
     assert_eq!(refusal(|l| points(l)[1].radius = -0.1), LightError::Radius { index: 1, value: -0.1 });
     assert_eq!(refusal(|l| points(l)[2].radius = 1e308), LightError::Radius { index: 2, value: 1e308 });
     assert_eq!(refusal(|l| points(l)[1].position.x = f64::NAN), LightError::NotFinite("points"));
-    assert_eq!(
-        refusal(|l| l.set(TRANSLATION.to(DVec3::INFINITY))),
-        LightError::NotFinite("transform.translation")
-    );
+    assert_eq!(refusal(|l| l.set(TRANSLATION.to(DVec3::INFINITY))), LightError::NotFinite("transform.translation"));
     assert_eq!(refusal(|l| points(l)[0].position.x = 0.5), LightError::SourceNotAtOrigin);
     assert!(matches!(refusal(|l| l.set(UP.to(DVec3::ZERO))), LightError::OutOfDomain { field: "up", .. }));
-    assert!(matches!(
-        refusal(|l| l.set(CONE_ANGLE.to(90.0))),
-        LightError::OutOfDomain { field: "coneAngle", .. }
-    ));
+    assert!(matches!(refusal(|l| l.set(CONE_ANGLE.to(90.0))), LightError::OutOfDomain { field: "coneAngle", .. }));
     assert!(matches!(refusal(|l| l.set(SCALE.to(0.0))), LightError::OutOfDomain { .. }));
     let too_large = |light: LightError| match light {
         LightError::OutOfDomain { field, value, .. } => (field, value),
@@ -108,7 +102,7 @@ fn links_have_limits() {
 
 /// Rules: CURVE-1
 #[test]
-fn curves_over_an_angle_are_in_order_and_in_range() {
+fn periodic_curves_are_in_order_and_in_range() {
     let refusal = |knots: Vec<[f64; 2]>| {
         let curve = PeriodicCurve::new(knots);
         CheckedLight::new(Light::spot().with(RADIAL_FALLOFF, curve)).expect_err("refused").to_string()
@@ -126,10 +120,7 @@ fn curves_over_an_angle_are_in_order_and_in_range() {
     }
     let range = "`radialFalloff` is 1.5, but it must lie from 0.001 to 1: change it";
     assert_eq!(refusal(vec![[0.0, 1.0], [90.0, 1.5]]), range);
-    assert_eq!(
-        refusal(vec![[0.0, f64::NAN]]),
-        "`radialFalloff` holds a number that is not finite: replace it"
-    );
+    assert_eq!(refusal(vec![[0.0, f64::NAN]]), "`radialFalloff` holds a number that is not finite: replace it");
     let many = (0..=MAX_KNOTS).map(|k| [k as f64, 1.0]).collect();
     assert_eq!(refusal(many), "`radialFalloff` has 17 pairs, at most 16 may be: leave some out");
 }
@@ -153,23 +144,19 @@ fn overlaps_are_reported() {
 /// rotation.
 #[test]
 fn corner_of_coincident_points() {
-    let points =
-        vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.0, 0.0, -1.0), DVec3::new(1.0, 0.0, -1.0)];
+    let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.0, 0.0, -1.0), DVec3::new(1.0, 0.0, -1.0)];
     let tube = Tube::new(&Light::bendy(points, vec![0.1; 4])).expect("valid");
     let (v_hat, _) = tube.cross_section(&tube.segments[1].curve, tube.segments[1].curve.u_hat(0.0));
     assert!((v_hat.length() - 1.0).abs() < 1e-14);
     // On the inside of the corner both legs of the tube contain the same points.
     let warnings = tube.warnings();
-    assert!(
-        matches!(warnings[..], [LightWarning::Corner { t: 1.0 }, LightWarning::Overlap { .. }]),
-        "{warnings:?}"
-    );
+    assert!(matches!(warnings[..], [LightWarning::Corner { t: 1.0 }, LightWarning::Overlap { .. }]), "{warnings:?}");
     assert!(tube.locate(DVec3::new(0.5, 0.01, -1.0)).point.is_some());
 }
 
 /// Rows bound the values, and the message has the range.
 #[test]
-fn every_row_refuses_what_lies_outside_its_range() {
+fn every_parameter_refuses_values_outside_its_range() {
     let sentence = |light: Light| CheckedLight::new(light).expect_err("refused").to_string();
     assert_eq!(
         sentence(Light::spot().with(CONE_ANGLE, 90.0)),
@@ -179,18 +166,12 @@ fn every_row_refuses_what_lies_outside_its_range() {
         sentence(along_z(4).with(CONE_SOFTNESS, 1.5)),
         "`coneSoftness` is 1.5, but it must lie from 0 to 1: change it"
     );
-    assert_eq!(
-        sentence(along_z(4).with(SCALE, 0.0)),
-        "`transform.scale` is 0, but it must be more than 0: change it"
-    );
+    assert_eq!(sentence(along_z(4).with(SCALE, 0.0)), "`transform.scale` is 0, but it must be more than 0: change it");
     let turned = Light::spot().with(ROTATION, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0));
-    assert!(
-        sentence(turned).starts_with("`transform.rotation` has length 0, but it must be a unit quaternion")
-    );
-    for row in
-        [ParameterOwner::Spot, ParameterOwner::Bendy, ParameterOwner::Omni, ParameterOwner::Directional]
-            .into_iter()
-            .flat_map(light::parameters_of)
+    assert!(sentence(turned).starts_with("`transform.rotation` has length 0, but it must be a unit quaternion"));
+    for row in [ParameterOwner::Spot, ParameterOwner::Bendy, ParameterOwner::Omni, ParameterOwner::Directional]
+        .into_iter()
+        .flat_map(light::parameters_of)
     {
         assert!(!row.label.is_empty() && row.doc.ends_with('.') && !row.group.is_empty(), "{row:?}");
         for of in row.owners {
@@ -200,8 +181,8 @@ fn every_row_refuses_what_lies_outside_its_range() {
         let ParameterKind::Number(number) = row.kind else { continue };
         for (bound, beyond) in [(number.min, -1e-9), (number.max, 1e-9)] {
             let (Bound::Included(end) | Bound::Excluded(end)) = bound else { continue };
-            let past = end + beyond * end.abs().max(1.0);
-            let refused = row.check(&Value::Number(past)).expect_err("out of range").to_string();
+            let value = end + beyond * end.abs().max(1.0);
+            let refused = row.check(&Value::Number(value)).expect_err("out of range").to_string();
             assert!(refused.contains(row.path) && refused.contains(&end.to_string()), "{refused}");
         }
         assert_eq!(row.check(&Value::Number(f64::NAN)), Err(LightError::NotFinite(row.path)));

@@ -1,30 +1,14 @@
 //! Straight rays: the results of a search over every triangle, and no cracks.
 
-#![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
-
 use glam::{DAffine3, DVec3, Vec3};
 use proptest::prelude::*;
 use raycast::{Bvh, Hit};
-use scene::{Material, Mesh, Node, Primitive, Scene};
+use scene::Scene;
 
-fn scene_of(positions: Vec<Vec3>, indices: Vec<u32>, world_from_local: DAffine3) -> Scene {
-    let primitive =
-        Primitive { normals: vec![Vec3::Y; positions.len()], positions, indices, ..Primitive::default() };
-    Scene {
-        nodes: vec![Node {
-            name: "mesh".into(),
-            parent: None,
-            parent_from_local: world_from_local,
-            mesh: Some(0),
-        }],
-        meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
-        materials: vec![Material::default()],
-        ..Scene::default()
-    }
-}
+use crate::bvh_of;
 
 /// Returns a bumpy sheet of `n` by `n` squares from -1 to 1 around y = 0.
-fn sheet(n: u32, world_from_local: DAffine3) -> Scene {
+fn sheet(n: u32, world_from_local: DAffine3) -> Bvh {
     let side = n + 1;
     let at = |k: u32| {
         let (x, z) = ((k % side) as f32 / n as f32 * 2.0 - 1.0, (k / side) as f32 / n as f32 * 2.0 - 1.0);
@@ -32,7 +16,7 @@ fn sheet(n: u32, world_from_local: DAffine3) -> Scene {
     };
     let squares = (0..n * n).map(|k| k / n * side + k % n);
     let indices = squares.flat_map(|k| [k, k + side, k + 1, k + 1, k + side, k + side + 1]).collect();
-    scene_of((0..side * side).map(at).collect(), indices, world_from_local)
+    bvh_of((0..side * side).map(at).collect(), indices, world_from_local)
 }
 
 /// Finds the nearest hit by a test of every triangle.
@@ -59,8 +43,7 @@ proptest! {
         let offset = if far_away { DVec3::new(1e6, -1e6, 5e5) } else { DVec3::ZERO };
         let count = corners.len() as u32 / 3 * 3;
         let positions = corners.into_iter().map(Vec3::from).collect();
-        let scene = scene_of(positions, (0..count).collect(), DAffine3::from_translation(offset));
-        let bvh = Bvh::new(scene::pose(scene.clone()));
+        let bvh = bvh_of(positions, (0..count).collect(), DAffine3::from_translation(offset));
         let (origin, direction) = (DVec3::from(origin) + offset - bvh.posed.origin_in_world, DVec3::from(direction));
         prop_assume!(direction.length() > 0.1);
         let hit = bvh.first_hit(origin, direction, [0.0, f64::INFINITY], |_| true);
@@ -71,15 +54,13 @@ proptest! {
 #[test]
 fn no_ray_slips_between_neighbours() {
     // Rays aim at every vertex and every edge's middle of a sheet that is rotated, scaled and far away.
-    let place = DAffine3::from_rotation_y(0.7)
-        * DAffine3::from_rotation_x(0.3)
-        * DAffine3::from_scale(DVec3::splat(3.3));
+    let transform =
+        DAffine3::from_rotation_y(0.7) * DAffine3::from_rotation_x(0.3) * DAffine3::from_scale(DVec3::splat(3.3));
     for offset in [DVec3::ZERO, DVec3::new(1e6, 2e6, -3e6)] {
-        let scene = sheet(24, DAffine3::from_translation(offset) * place);
-        let bvh = Bvh::new(scene::pose(scene.clone()));
-        let eye = offset - bvh.posed.origin_in_world + place.transform_point3(DVec3::new(0.1, 3.0, 0.2));
+        let bvh = sheet(24, DAffine3::from_translation(offset) * transform);
+        let eye = offset - bvh.posed.origin_in_world + transform.transform_point3(DVec3::new(0.1, 3.0, 0.2));
         let inner = |corner: DVec3| {
-            let local = place.inverse().transform_point3(corner + bvh.posed.origin_in_world - offset);
+            let local = transform.inverse().transform_point3(corner + bvh.posed.origin_in_world - offset);
             local.x.abs() < 0.99 && local.z.abs() < 0.99
         };
         let mut aimed = 0;
@@ -99,8 +80,7 @@ fn no_ray_slips_between_neighbours() {
 
 #[test]
 fn a_ray_keeps_to_its_range_and_to_what_is_accepted() {
-    let scene = sheet(1, DAffine3::IDENTITY);
-    let bvh = Bvh::new(scene::pose(scene.clone()));
+    let bvh = sheet(1, DAffine3::IDENTITY);
     let ask = |range, accept: fn(&Hit) -> bool| {
         bvh.first_hit(DVec3::new(0.2, 3.0, 0.3), DVec3::NEG_Y, range, accept).map(|hit| hit.triangle)
     };
@@ -109,7 +89,6 @@ fn a_ray_keeps_to_its_range_and_to_what_is_accepted() {
     assert_eq!(ask([0.0, 2.5], |_| true), None);
     assert_eq!(ask([3.5, 9.0], |_| true), None);
     assert_eq!(ask([0.0, 9.0], |_| false), None);
-    let nothing = Scene::default();
-    let nothing = Bvh::new(scene::pose(nothing.clone()));
+    let nothing = Bvh::new(scene::pose(Scene::default()));
     assert!(nothing.first_hit(DVec3::ZERO, DVec3::X, [0.0, f64::INFINITY], |_| true).is_none());
 }

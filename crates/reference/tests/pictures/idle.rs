@@ -1,21 +1,11 @@
 //! Tests that parameters have no effect if the table says so.
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::DVec3;
 use light::parameters::{CUT_OFF, CUT_ON, NAME, parameters_of};
 use light::{Light, Links, Parameter, ParameterKind, Setting, Value};
-use scene::{Aov, Scene};
+use scene::Aov;
 
-use crate::support::{floor, render, scene_of, sphere, spot, view};
-
-/// Builds a floor with a ball over it that casts a shadow.
-fn stage() -> Scene {
-    let ball = DAffine3::from_scale_rotation_translation(DVec3::splat(0.4), DQuat::IDENTITY, DVec3::Y);
-    let mut scene = scene_of([floor(3.0), (sphere(12), ball)]);
-    for (node, name) in scene.nodes.iter_mut().zip(["floor", "ball"]) {
-        node.name = name.into();
-    }
-    scene
-}
+use crate::support::{ball_over_floor, render, spot, view};
 
 /// Returns a light of each shape. All shine on the ball.
 fn lights() -> [Light; 4] {
@@ -60,13 +50,13 @@ fn set(light: &Light, parameter: &'static Parameter, value: Value) -> Light {
 
 /// Returns true if the picture of a light changes with the parameter.
 fn has_effect(light: &Light, row: &'static Parameter) -> bool {
-    let (scene, view) = (stage(), view(DVec3::new(0.5, 4.0, 3.0), DVec3::ZERO, Aov::Beauty));
+    let (scene, view) = (ball_over_floor(), view(DVec3::new(0.5, 4.0, 3.0), DVec3::ZERO, Aov::Beauty));
     let picture = |light: Light| render(&scene, &view, &[light]).pixels;
     picture(light.clone()) != picture(set(light, row, another(row)))
 }
 
 #[test]
-fn what_needs_another_has_an_effect_with_it_and_none_without() {
+fn a_parameter_that_needs_another_has_an_effect_with_it_alone() {
     for light in lights() {
         let rows = parameters_of(light.owner());
         for row in rows.iter().copied() {
@@ -84,11 +74,9 @@ fn what_needs_another_has_an_effect_with_it_and_none_without() {
 
 /// A spotlight keeps its scale only for bending it later.
 #[test]
-fn what_is_idle_of_an_owner_has_no_effect_there() {
+fn idle_parameters_have_no_effect_on_their_owner() {
     for light in lights() {
-        for row in
-            parameters_of(light.owner()).iter().copied().filter(|row| row.has_no_effect_on(light.owner()))
-        {
+        for row in parameters_of(light.owner()).iter().copied().filter(|row| row.has_no_effect_on(light.owner())) {
             assert!(!has_effect(&light, row), "{row:?} of {:?}", light.owner());
         }
         assert!(!NAME.has_no_effect_on(light.owner()), "no picture shows a name of anything");

@@ -1,23 +1,15 @@
 //! Tests of light and shadow in the reference, against closed forms and against itself.
 
-use glam::{DAffine3, DQuat, DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, EXPOSURE, RANGE, TRANSLATION};
 use light::{CheckedLight, Decay, DirectionMode, Light};
 use reference::{Reference, ReferenceLight, ReferencePicture, evaluate_brdf};
-use scene::{Aov, Scene, View};
+use scene::{Aov, View};
 
-use crate::support::{floor, instances, render, scene_of, sphere, spot, view};
+use crate::support::{ball_over_floor, centres, floor, instances, render, scene_of, sphere, spot, view};
 
 fn source_of(light: Light) -> ReferenceLight {
     ReferenceLight::new(&CheckedLight::new(light).expect("a light"))
-}
-
-/// Builds a scene with a shadow.
-fn table() -> Scene {
-    scene_of([
-        floor(3.0),
-        (sphere(12), DAffine3::from_scale_rotation_translation(DVec3::splat(0.4), DQuat::IDENTITY, DVec3::Y)),
-    ])
 }
 
 /// Irradiance under a cone follows section 6 of the light model: `E = I 2^exposure profile decay cos / pi` on a
@@ -37,9 +29,7 @@ fn a_plane_under_a_cone_has_the_closed_form() {
             let source_of_light = source_of(light);
             let reference = Reference::new(scene::pose(scene.clone()));
             let mut lit = 0;
-            for pixel in 0..48 * 32 {
-                let at = DVec2::new(f64::from(pixel % 48) + 0.5, f64::from(pixel / 48) + 0.5);
-                let Some(surface) = reference.surface(&view, at) else { continue };
+            for surface in centres(&view).filter_map(|at| reference.surface(&view, at)) {
                 let position = surface.position + reference.bvh.posed.origin_in_world;
                 let (s, outer) = (position.distance(source), 25.0_f64.to_radians());
                 let cos = height / s;
@@ -70,14 +60,13 @@ fn a_plane_under_a_cone_has_the_closed_form() {
 
 #[test]
 fn a_straight_bendy_light_is_the_spotlight() {
-    let scene = table();
+    let scene = ball_over_floor();
     let spot = spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.0, 0.4, 0.0));
     for direction in [DirectionMode::Tube, DirectionMode::Path] {
         let bent = light::bend(&spot, 3).unwrap().with(DIRECTION, direction);
         for aov in [Aov::Beauty, Aov::Vw, Aov::Direction, Aov::Visibility] {
             let view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, aov);
-            let straight = render(&scene, &view, std::slice::from_ref(&spot));
-            let tube = render(&scene, &view, std::slice::from_ref(&bent));
+            let [straight, tube] = [&spot, &bent].map(|light| render(&scene, &view, std::slice::from_ref(light)));
             for (a, b) in straight.pixels.iter().zip(&tube.pixels) {
                 // The tolerance is some ulps of ten, the largest value. An edge of a shadow through a pixel's
                 // centre would exceed it.
@@ -112,8 +101,7 @@ fn the_terminator_of_a_sphere_is_where_n_l_is_zero() {
     for row in 4..28 {
         let y = f64::from(row) + 0.5;
         let ends = (0..47).map(|x| [f64::from(x) + 0.5, f64::from(x) + 1.5]);
-        let edge =
-            ends.filter(|[a, b]| matches!((lit(*a, y), lit(*b, y)), (Some((a, _)), Some((b, _))) if a != b));
+        let edge = ends.filter(|[a, b]| matches!((lit(*a, y), lit(*b, y)), (Some((a, _)), Some((b, _))) if a != b));
         for [mut dark, mut bright] in edge {
             for _ in 0..50 {
                 let middle = f64::midpoint(dark, bright);
@@ -135,15 +123,14 @@ fn the_terminator_of_a_sphere_is_where_n_l_is_zero() {
 #[test]
 fn moving_the_world_moves_nothing_in_the_picture() {
     let bent = |offset: DVec3| {
-        let points =
-            vec![DVec3::ZERO, DVec3::NEG_Y, DVec3::new(-0.6, -2.2, 0.0), DVec3::new(-1.4, -3.2, -0.4)];
+        let points = vec![DVec3::ZERO, DVec3::NEG_Y, DVec3::new(-0.6, -2.2, 0.0), DVec3::new(-1.4, -3.2, -0.4)];
         let light = Light::bendy(points, vec![0.1, 0.5, 1.0, 1.5])
             .with(TRANSLATION, offset + DVec3::new(1.0, 3.0, 0.5))
             .map_points(|_, point| point.intensity = 5.0);
         [light]
     };
     let frame = |offset: DVec3| {
-        let mut scene = table();
+        let mut scene = ball_over_floor();
         scene.nodes.iter_mut().for_each(|node| node.parent_from_local.translation += offset);
         let mut view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Beauty);
         view.camera.translation += offset;
@@ -159,7 +146,7 @@ fn moving_the_world_moves_nothing_in_the_picture() {
 
 #[test]
 fn samples_smooth_edges_and_rows_are_counted() {
-    let scene = table();
+    let scene = ball_over_floor();
     let lights = [spot(DVec3::new(1.0, 3.0, 0.5), DVec3::Y * 0.4)];
     let one = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Visibility);
     let many = View { samples: 16, ..one.clone() };
@@ -175,8 +162,8 @@ fn samples_smooth_edges_and_rows_are_counted() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_refused() {
-    let scene = table();
+fn impossible_pictures_are_refused() {
+    let scene = ball_over_floor();
     let reference = Reference::new(scene::pose(scene.clone()));
     let view = view(DVec3::Y * 3.0, DVec3::ZERO, Aov::T);
     let why = |view: &View| reference.render(view, &[], || {}).unwrap_err().to_string();

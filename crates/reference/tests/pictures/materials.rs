@@ -7,13 +7,12 @@ use scene::{Aov, Image, Material, Projection, Sampler, Scene, TextureRef, Wrap};
 use crate::support::{floor, render, scene_of, spot, square, view};
 
 /// Builds a square of half extent `half`, with a picture that covers it once.
-fn pictured(half: f64, image: Image, sampler: Sampler, change: impl Fn(&mut Material)) -> Scene {
-    let (mut primitive, place) = floor(half);
+fn pictured(half: f64, image: Image, sampler: Sampler) -> Scene {
+    let (mut primitive, parent_from_local) = floor(half);
     primitive.uvs = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)].map(Vec2::from).into();
-    let mut scene = scene_of([(primitive, place)]);
+    let mut scene = scene_of([(primitive, parent_from_local)]);
     scene.images = vec![image];
     scene.materials[0].base_color_texture = Some(TextureRef { image: 0, sampler });
-    change(&mut scene.materials[0]);
     scene
 }
 
@@ -28,20 +27,15 @@ fn linear(shade: u8) -> f64 {
 /// Returns the base color of `scene` at `x`, `z`, in the middle of a picture from one unit above.
 fn base_color_at(scene: &Scene, x: f64, z: f64) -> f64 {
     let mut view = view(DVec3::new(x, 1.0, z), DVec3::new(x, 0.0, z), Aov::Beauty);
-    view.camera.projection =
-        Projection::Perspective { yfov: 1e-4, aspect_ratio: None, znear: 0.01, zfar: None };
+    view.camera.projection = Projection::Perspective { yfov: 1e-4, aspect_ratio: None, znear: 0.01, zfar: None };
     let middle = DVec2::new(f64::from(view.width), f64::from(view.height)) / 2.0;
-    Reference::new(scene::pose(scene.clone()))
-        .surface(&view, middle)
-        .expect("the square is there")
-        .base_color
-        .x
+    Reference::new(scene::pose(scene.clone())).surface(&view, middle).expect("the square is there").base_color.x
 }
 
 #[test]
 fn texels_are_blended_between_their_centres() {
     let smooth = Sampler { wrap_u: Wrap::ClampToEdge, ..Sampler::default() };
-    let scene = pictured(1.0, gray(2, 1, &[60, 200]), smooth, |_| {});
+    let scene = pictured(1.0, gray(2, 1, &[60, 200]), smooth);
     let [dark, bright] = [60, 200].map(linear);
     // Texel centres lie at uv 1/4 and 3/4, that is at x -1/2 and 1/2. The view covers 1e-4 of a texel, so mip
     // levels have no effect.
@@ -49,21 +43,20 @@ fn texels_are_blended_between_their_centres() {
         let expected = dark + (bright - dark) * share;
         assert!((base_color_at(&scene, x, 0.3) - expected).abs() < 1e-12, "{x}");
     }
-    let repeating = pictured(1.0, gray(2, 1, &[60, 200]), Sampler::default(), |_| {});
+    let repeating = pictured(1.0, gray(2, 1, &[60, 200]), Sampler::default());
     assert!(
         (base_color_at(&repeating, 1.0 - 1e-9, 0.3) - f64::midpoint(dark, bright)).abs() < 1e-8,
         "blends with the other end"
     );
-    let nearest = pictured(1.0, gray(2, 1, &[60, 200]), Sampler { nearest: true, ..smooth }, |_| {});
+    let nearest = pictured(1.0, gray(2, 1, &[60, 200]), Sampler { nearest: true, ..smooth });
     assert_eq!(base_color_at(&nearest, -0.01, 0.3), base_color_at(&nearest, -0.9, 0.3));
 }
 
 #[test]
 fn far_pictures_are_their_mean_in_linear_light() {
     let size = 64_u32;
-    let shades: Vec<u8> =
-        (0..size * size).map(|k| if (k + k / size).is_multiple_of(2) { 30 } else { 220 }).collect();
-    let scene = pictured(1.0, gray(size, size, &shades), Sampler::default(), |_| {});
+    let shades: Vec<u8> = (0..size * size).map(|k| if (k + k / size).is_multiple_of(2) { 30 } else { 220 }).collect();
+    let scene = pictured(1.0, gray(size, size, &shades), Sampler::default());
     // From 2,000 units above, a pixel covers far more than the square.
     let mut view = view(DVec3::Y * 2000.0, DVec3::ZERO, Aov::Beauty);
     view.width = 1;
@@ -79,7 +72,7 @@ fn far_pictures_are_their_mean_in_linear_light() {
 fn cut_out(alpha_cutoff: Option<f32>) -> Scene {
     let image = Image { width: 2, height: 1, rgba8: vec![255, 255, 255, 0, 255, 255, 255, 255] };
     let sampler = Sampler { nearest: true, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge };
-    let (screen, below) = (pictured(0.5, image, sampler, |_| {}), floor(3.0));
+    let (screen, below) = (pictured(0.5, image, sampler), floor(3.0));
     let raised = DAffine3::from_translation(DVec3::Y) * screen.nodes[0].parent_from_local;
     let mut scene = scene_of([(screen.meshes[0].primitives[0].clone(), raised), below]);
     scene.images = screen.images;
@@ -119,8 +112,7 @@ fn back_faces_are_seen_where_the_material_says_so() {
 fn orthographic_cameras_see_parallel() {
     let mut scene = scene_of([floor(1.0)]);
     let mut above = view(DVec3::Y * 3.0, DVec3::ZERO, Aov::Depth);
-    above.camera.projection =
-        Projection::Orthographic { ymag: 2.0, aspect_ratio: None, znear: 0.0, zfar: 10.0 };
+    above.camera.projection = Projection::Orthographic { ymag: 2.0, aspect_ratio: None, znear: 0.0, zfar: 10.0 };
     let frame = render(&scene, &above, &[]);
     // The square covers two of four units in each direction: half of the 32 rows, and as many of the 48
     // columns.

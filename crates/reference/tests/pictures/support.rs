@@ -1,6 +1,6 @@
 //! Small test scenes.
 
-use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, Vec3};
 use light::parameters::{INTENSITY, RANGE};
 use light::{Light, LightInstance, Transform};
 use reference::{Reference, ReferencePicture};
@@ -9,9 +9,7 @@ use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, Vie
 /// Returns a square from -1 to 1 in the plane y = 0, facing up.
 pub fn square() -> Primitive {
     Primitive {
-        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
-            .map(|(x, z)| Vec3::new(x, 0.0, z))
-            .into(),
+        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z)).into(),
         normals: vec![Vec3::Y; 4],
         indices: vec![0, 1, 2, 0, 2, 3],
         ..Primitive::default()
@@ -30,8 +28,7 @@ pub fn sphere(n: u32) -> Primitive {
     };
     let positions: Vec<Vec3> = (0..(n + 1) * (around + 1)).map(at).collect();
     let quads = (0..n * around).map(|k| k / around * (around + 1) + k % around);
-    let indices =
-        quads.flat_map(|k| [k, k + around + 1, k + 1, k + 1, k + around + 1, k + around + 2]).collect();
+    let indices = quads.flat_map(|k| [k, k + around + 1, k + 1, k + 1, k + around + 1, k + around + 2]).collect();
     Primitive { normals: positions.clone(), positions, indices, ..Primitive::default() }
 }
 
@@ -51,11 +48,20 @@ pub fn floor(half: f64) -> (Primitive, DAffine3) {
     (square(), DAffine3::from_scale(DVec3::splat(half)))
 }
 
+/// Builds a ball over the middle of a floor, on which it casts a shadow.
+pub fn ball_over_floor() -> Scene {
+    let ball = DAffine3::from_scale_rotation_translation(DVec3::splat(0.4), DQuat::IDENTITY, DVec3::Y);
+    let mut scene = scene_of([floor(3.0), (sphere(12), ball)]);
+    for (node, name) in scene.nodes.iter_mut().zip(["floor", "ball"]) {
+        node.name = name.into();
+    }
+    scene
+}
+
 /// Returns the rotation that looks from `eye` to `target` along -z.
 pub fn looking(eye: DVec3, target: DVec3) -> DQuat {
     let back = (eye - target).normalize();
-    let right =
-        if back.cross(DVec3::Y).length() < 1e-9 { DVec3::X } else { DVec3::Y.cross(back).normalize() };
+    let right = if back.cross(DVec3::Y).length() < 1e-9 { DVec3::X } else { DVec3::Y.cross(back).normalize() };
     DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back))
 }
 
@@ -67,6 +73,12 @@ pub fn view(eye: DVec3, target: DVec3, aov: Aov) -> View {
         projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05, zfar: None },
     };
     View { aov, ..View::beauty(camera, [48, 32]) }
+}
+
+/// Returns the centres of the pixels of a view, in rows from the top.
+pub fn centres(view: &View) -> impl Iterator<Item = DVec2> {
+    let (width, count) = (view.width, view.width * view.height);
+    (0..count).map(move |k| DVec2::new(f64::from(k % width) + 0.5, f64::from(k / width) + 0.5))
 }
 
 pub fn spot(source: DVec3, target: DVec3) -> Light {

@@ -1,16 +1,12 @@
 //! Tests of grazing light on smooth meshes with few facets.
 
-use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
 use light::parameters::DIRECTION;
 use light::{CheckedLight, Light};
 use reference::{LightSample, Reference, ReferenceLight, ShadedPoint};
 use scene::{Aov, Primitive, Scene, View};
 
-use crate::support::{floor, scene_of, sphere, spot, view};
-
-fn at(scale: DVec3, place: DVec3) -> DAffine3 {
-    DAffine3::from_scale_rotation_translation(scale, DQuat::IDENTITY, place)
-}
+use crate::support::{centres, scene_of, sphere, spot, square, view};
 
 /// Returns a light from the side. Seen from the front, half of a ball is lit.
 fn key() -> Light {
@@ -31,13 +27,8 @@ fn kinds() -> [CheckedLight; 2] {
 /// Returns every point inside the light that the view sees.
 fn samples_in_view(scene: &Scene, view: &View, kind: &CheckedLight) -> Vec<(ShadedPoint, LightSample)> {
     let (reference, source) = (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(kind));
-    let centre = |k: u32| DVec2::new(f64::from(k % view.width) + 0.5, f64::from(k / view.width) + 0.5);
-    (0..view.width * view.height)
-        .filter_map(|k| {
-            let surface = reference.surface(view, centre(k))?;
-            Some((surface, reference.sample(&source, &surface)?))
-        })
-        .collect()
+    let sample = |surface: ShadedPoint| Some((surface, reference.sample(&source, &surface)?));
+    centres(view).filter_map(|pixel| reference.surface(view, pixel)).filter_map(sample).collect()
 }
 
 /// A ball is lit where its normal faces the light, however few facets it has.
@@ -53,14 +44,13 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
             assert_eq!(wrong, 0, "{facets} facets, of {}", seen.len());
             // Deliberate fault that the check must detect, the former behavior: facets that face away are dark and
             // shadow those behind them.
-            let (reference, source) =
-                (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(&kind));
-            let flat = seen.iter().filter(|(surface, light)| {
+            let (reference, source) = (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(&kind));
+            let is_wrong_if_flat = |(surface, light): &&(ShadedPoint, LightSample)| {
                 let mut flat = *surface;
                 flat.seen.terminator_offset = 0.0;
                 reference.sample(&source, &flat).unwrap().is_visible != (facing(surface, light) > 0.0)
-            });
-            let flat = flat.count();
+            };
+            let flat = seen.iter().filter(is_wrong_if_flat).count();
             assert!(flat > 400 / facets as usize, "{facets} facets: {flat}");
         }
     }
@@ -72,9 +62,7 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
 fn light_from_behind_stays_there() {
     let leaning = Vec3::new(0.0, 0.5, 0.866);
     let wall = Primitive {
-        positions: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-            .map(|(x, y)| Vec3::new(x, y, 0.0))
-            .into(),
+        positions: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0)).into(),
         normals: vec![leaning; 4],
         indices: vec![0, 1, 2, 0, 2, 3],
         ..Primitive::default()
@@ -84,8 +72,7 @@ fn light_from_behind_stays_there() {
     for light in [light::bend(&behind, 3).unwrap(), behind] {
         let light = CheckedLight::new(light).expect("a light");
         let seen = samples_in_view(&scene, &front(DVec3::ZERO), &light);
-        let faced =
-            |(surface, light): &&(ShadedPoint, LightSample)| surface.normal.dot(light.along_path) > 0.05;
+        let faced = |(surface, light): &&(ShadedPoint, LightSample)| surface.normal.dot(light.along_path) > 0.05;
         assert!(seen.iter().filter(faced).count() > 1000);
         assert_eq!(seen.iter().filter(|(_, light)| light.is_visible).count(), 0);
     }
@@ -94,9 +81,10 @@ fn light_from_behind_stays_there() {
 /// The shadow of a post on a coarse ball begins at its foot, no farther away than the terminator offset.
 #[test]
 fn shadows_stay_attached() {
-    let post = (floor(1.0).0, DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2));
-    let stands = at(DVec3::new(0.3, 0.3, 0.6), DVec3::Y * 1.0) * post.1;
-    let scene = scene_of([(sphere(12), DAffine3::IDENTITY), (post.0, stands)]);
+    let size = DVec3::new(0.3, 0.3, 0.6);
+    let upright = DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2);
+    let post = DAffine3::from_scale_rotation_translation(size, DQuat::IDENTITY, DVec3::Y) * upright;
+    let scene = scene_of([(sphere(12), DAffine3::IDENTITY), (square(), post)]);
     for kind in kinds() {
         let view = view(DVec3::new(-0.6, 4.0, 0.4), DVec3::Y, Aov::Visibility);
         let seen = samples_in_view(&scene, &View { width: 144, height: 96, ..view }, &kind);

@@ -32,7 +32,7 @@ fn between_texels_alpha_is_linear_either_way() {
 }
 
 #[test]
-fn beyond_its_edges_a_picture_goes_on_as_its_wrap_says() {
+fn textures_continue_beyond_their_edges_as_they_wrap() {
     let with = |wrap| AlphaTest { wrap_u: wrap, wrap_v: wrap, ..TEST };
     for step in -40..40 {
         let u = step as f32 * 0.0625 + 0.03125;
@@ -53,9 +53,8 @@ fn beyond_its_edges_a_picture_goes_on_as_its_wrap_says() {
 }
 
 #[test]
-fn texels_are_blended_unless_they_are_not() {
-    let nearest =
-        AlphaTest { nearest: true, wrap_u: TexelWrap::Repeat, wrap_v: TexelWrap::MirroredRepeat, ..TEST };
+fn nearest_filtering_blends_no_texels() {
+    let nearest = AlphaTest { nearest: true, wrap_u: TexelWrap::Repeat, wrap_v: TexelWrap::MirroredRepeat, ..TEST };
     for (u, v, expected) in [(0.24, 0.0, 0.0), (0.26, 0.0, 10.0), (-0.01, 0.3, 70.0), (1.3, -0.3, 50.0)] {
         assert!((at(&nearest, &RAMP, u, v) - expected).abs() < 255.0 * TOLERANCE, "{u}, {v}");
     }

@@ -33,8 +33,8 @@ impl<F: Lanes> Edge<F> {
     pub fn is_safe(&self, bounds: [F; 4]) -> F::Mask {
         let dt = (self.b.t - self.a.t).abs();
         let length = F::length(self.qb - self.qa);
-        let strays = (bounds[0] * dt + bounds[1] * length) * dt;
-        strays.le(self.a.r.least(self.b.r)) & (bounds[2] * dt + bounds[3] * length).le(F::of(1.0))
+        let error = (bounds[0] * dt + bounds[1] * length) * dt;
+        error.le(self.a.r.least(self.b.r)) & (bounds[2] * dt + bounds[3] * length).le(F::of(1.0))
     }
 }
 
@@ -82,32 +82,24 @@ pub(super) fn off_map<F: Lanes>(map: &BentMap, corners: [&TubePosition<F>; 3], b
 }
 
 #[inline(always)]
-fn off_face<F: Lanes>(face: &BentFace, [a, b, c]: [&TubePosition<F>; 3], bow: F) -> F::Mask {
+fn off_face<F: Lanes>(face: &BentFace, corners: [&TubePosition<F>; 3], bow: F) -> F::Mask {
     let m = &face.clip_from_mapped;
     let rows = [m.row(0), m.row(1), m.row(2)];
-    let [margin_x, margin_y, margin_z] = [across(rows[0], bow), across(rows[1], bow), across(rows[2], bow)];
-    let (outer_a, outer_b, outer_c) = (
-        clip_coordinate(rows[2], a) + margin_z,
-        clip_coordinate(rows[2], b) + margin_z,
-        clip_coordinate(rows[2], c) + margin_z,
-    );
+    let margin = across(rows[2], bow);
+    let [depth_a, depth_b, depth_c] = clip_coordinates(rows[2], corners);
+    let outer = [depth_a + margin, depth_b + margin, depth_c + margin];
     let zero = F::of(0.0);
-    let behind = outer_a.lt(zero) & outer_b.lt(zero) & outer_c.lt(zero);
-    let outer = [outer_a, outer_b, outer_c];
-    behind
-        | beyond(
-            [clip_coordinate(rows[0], a), clip_coordinate(rows[0], b), clip_coordinate(rows[0], c)],
-            outer,
-            margin_x,
-        )
-        | beyond(
-            [clip_coordinate(rows[1], a), clip_coordinate(rows[1], b), clip_coordinate(rows[1], c)],
-            outer,
-            margin_y,
-        )
+    outer[0].lt(zero) & outer[1].lt(zero) & outer[2].lt(zero)
+        | beyond(clip_coordinates(rows[0], corners), outer, across(rows[0], bow))
+        | beyond(clip_coordinates(rows[1], corners), outer, across(rows[1], bow))
 }
 
-/// Computes a clip coordinate.
+/// Computes a clip coordinate of each corner.
+#[inline(always)]
+fn clip_coordinates<F: Lanes>(row: glam::Vec3, [a, b, c]: [&TubePosition<F>; 3]) -> [F; 3] {
+    [clip_coordinate(row, a), clip_coordinate(row, b), clip_coordinate(row, c)]
+}
+
 #[inline(always)]
 fn clip_coordinate<F: Lanes>(row: glam::Vec3, at: &TubePosition<F>) -> F {
     F::of(f64::from(row.x)) * at.v + F::of(f64::from(row.y)) * at.w + F::of(f64::from(row.z)) * at.r
@@ -150,9 +142,11 @@ fn stretch_at<F: Lanes>(map: &BentMap, curve: &Curve<F>, v: F, w: F) -> F {
 #[inline(always)]
 pub(super) fn exceeds_tolerance<F: Lanes>(
     map: &BentMap,
-    (curve, t_span): (&Curve<F>, F),
+    curve: &Curve<F>,
+    t_span: F,
     q: F::Vec3,
-    (mapped, straight): (&TubePosition<F>, &TubePosition<F>),
+    mapped: &TubePosition<F>,
+    straight: &TubePosition<F>,
 ) -> F::Mask {
     let zero = F::of(0.0);
     let has_width = mapped.r.least(straight.r).gt(zero);

@@ -66,10 +66,7 @@ pub(super) fn map_texel(map: &BentMapParams, side: f32, [v_len, w_len]: Pair, ra
     MapTexel {
         face,
         texel: texel_at(fit, xy, resolution),
-        right: [
-            F32s::select(front, step[0] / slope, side_right[0]),
-            F32s::select(front, zero, side_right[1]),
-        ],
+        right: [F32s::select(front, step[0] / slope, side_right[0]), F32s::select(front, zero, side_right[1])],
         down: [F32s::select(front, zero, side_down[0]), F32s::select(front, step[1] / slope, side_down[1])],
         gain: F32s::select(front, one, slope * size),
         gain_down: F32s::select(front, zero, slope * away),

@@ -11,11 +11,11 @@ use rayon::prelude::*;
 
 use super::casters::{BentCasters, BentMap};
 use super::slab::{SlabLanes, TubePosition};
-use super::split::{Patch, SplitTriangles, ToClip, split};
-use super::triangles::{SortedTriangles, Vertex};
+use super::split::{Patch, Split, SplitTriangles, ToClip};
+use super::triangles::{SortTriangles, SortedTriangles, Vertex};
 use crate::depth_map::DepthMap;
 use crate::lanes::{LANES, U32s, Vec3s};
-use crate::raster::{AlphaTestedTriangles, DepthRule, MapFace, RasterMemory, draw_face_with_alpha_tests};
+use crate::raster::{AlphaTestedTriangles, DepthRule, MapFace, RasterMemory, draw_face};
 use crate::simd::{self, SimdTask};
 use crate::{Cancelled, Workers};
 
@@ -54,9 +54,8 @@ impl BentMapBuilder {
             is_near[block as usize] = true;
         }
         workers.run(|| {
-            let blocks = vertices
-                .par_chunks_mut(VERTICES_PER_BLOCK)
-                .zip(casters.positions.par_chunks(VERTICES_PER_BLOCK));
+            let blocks =
+                vertices.par_chunks_mut(VERTICES_PER_BLOCK).zip(casters.positions.par_chunks(VERTICES_PER_BLOCK));
             blocks.zip(&is_near).filter(|(_, is_near)| **is_near).for_each(|((vertices, positions), _)| {
                 simd::run(MapVertices { map, slabs, positions, vertices });
             });
@@ -67,46 +66,30 @@ impl BentMapBuilder {
     /// split.
     pub fn map_triangles(&mut self, workers: &Workers, map: &BentMap, casters: &BentCasters) {
         let Self { slabs, vertices, listed, .. } = self;
-        let turns = casters.leaves.len().div_ceil(LEAVES_PER_CHUNK);
-        listed.resize_with(turns, SortedTriangles::default);
+        let chunks = casters.leaves.len().div_ceil(LEAVES_PER_CHUNK);
+        listed.resize_with(chunks, SortedTriangles::default);
         workers.run(|| {
-            listed.par_iter_mut().zip(casters.leaves.par_chunks(LEAVES_PER_CHUNK)).for_each(
-                |(listed, leaves)| {
-                    listed.sort((map, slabs), (casters, vertices), leaves);
-                },
-            );
+            listed.par_iter_mut().zip(casters.leaves.par_chunks(LEAVES_PER_CHUNK)).for_each(|(listed, leaves)| {
+                simd::run(SortTriangles { map, slabs, casters, vertices, leaves, listed });
+            });
         });
     }
 
     /// Clips triangles that are in several slabs, and splits triangles whose edges are not straight in the map. Returns
     /// the number of its inputs: pairs of a triangle and a slab, and patches.
-    pub fn split(
-        &mut self,
-        workers: &Workers,
-        map: &BentMap,
-        casters: &BentCasters,
-    ) -> Result<u64, Cancelled> {
-        let mut to_clip: Vec<ToClip> =
-            self.listed.iter().flat_map(|listed| &listed.to_clip).copied().collect();
-        let mut patches: Vec<Patch> =
-            self.listed.iter().flat_map(|listed| &listed.patches).copied().collect();
+    pub fn split(&mut self, workers: &Workers, map: &BentMap, casters: &BentCasters) -> Result<u64, Cancelled> {
+        let mut to_clip: Vec<ToClip> = self.listed.iter().flat_map(|listed| &listed.to_clip).copied().collect();
+        let mut patches: Vec<Patch> = self.listed.iter().flat_map(|listed| &listed.patches).copied().collect();
         // Sixteen points of one slab are mapped at once.
         to_clip.sort_unstable_by_key(|item| (item.slab, item.triangle));
         patches.sort_by_key(|patch| patch.slab);
         let count = to_clip.len() + patches.len();
-        let clip_turns = to_clip.len().div_ceil(SPLITS_PER_CHUNK);
-        let turns = clip_turns + patches.len().div_ceil(SPLITS_PER_CHUNK);
         let Self { slabs, split: into, .. } = self;
-        into.resize_with(turns, SplitTriangles::default);
-        let (of_clipped, of_patches) = into.split_at_mut(clip_turns);
-        let clipped = of_clipped
-            .iter_mut()
-            .zip(to_clip.chunks(SPLITS_PER_CHUNK))
-            .map(|(into, some)| (into, some, &[][..]));
-        let split_only = of_patches.iter_mut().zip(patches.chunks(SPLITS_PER_CHUNK));
-        let split_only = split_only.map(|(into, patches)| (into, &[][..], patches));
-        let turns: Vec<(&mut SplitTriangles, &[ToClip], &[Patch])> = clipped.chain(split_only).collect();
-        workers.each(turns.into_iter(), |(into, to_clip, patches)| {
+        let clipped = to_clip.chunks(SPLITS_PER_CHUNK).map(|to_clip| (to_clip, &[][..]));
+        let split_only = patches.chunks(SPLITS_PER_CHUNK).map(|patches| (&[][..], patches));
+        let chunks: Vec<(&[ToClip], &[Patch])> = clipped.chain(split_only).collect();
+        into.resize_with(chunks.len(), SplitTriangles::default);
+        workers.each(into.iter_mut().zip(chunks), |(into, (to_clip, patches))| {
             into.opaque.clear();
             into.alpha_tested.clear();
             simd::run(Split { map, slabs, casters, to_clip, patches, into });
@@ -131,18 +114,9 @@ impl BentMapBuilder {
         for (index, face) in map.faces.iter().enumerate() {
             let depths = DepthRule::Bent { row_divisor: face.row_divisor, depth_per_value: face.depth_per_t };
             let drawn = MapFace { clip_from_map: face.clip_from_mapped, depths };
-            let (whole, chunks) =
-                if face.has_casters { (&whole[..], &alpha_tested[..]) } else { (&[][..], &[][..]) };
+            let (whole, chunks) = if face.has_casters { (&whole[..], &alpha_tested[..]) } else { (&[][..], &[][..]) };
             let alpha_tested = AlphaTestedTriangles { chunks, tests: casters.alpha_tests };
-            draw_face_with_alpha_tests(
-                &drawn,
-                whole,
-                &alpha_tested,
-                workers,
-                scratch,
-                into.face_mut(index),
-                side,
-            )?;
+            draw_face(&drawn, whole, &alpha_tested, workers, scratch, into.face_mut(index), side)?;
         }
         let count = |drawn: &SplitTriangles| drawn.opaque.len() + drawn.alpha_tested.len();
         let split = split.iter().map(count).sum::<usize>();
@@ -192,8 +166,7 @@ impl SimdTask for MapVertices<'_> {
 #[inline(always)]
 fn slabs_of(map: &BentMap, slabs: &[SlabLanes], q: Vec3s) -> U32s {
     let [low, high] = map.bounds.map(|corner| Vec3s::splat(corner.to_array()));
-    let near =
-        q.x.ge(low.x) & q.y.ge(low.y) & q.z.ge(low.z) & q.x.le(high.x) & q.y.le(high.y) & q.z.le(high.z);
+    let near = q.x.ge(low.x) & q.y.ge(low.y) & q.z.ge(low.z) & q.x.le(high.x) & q.y.le(high.y) & q.z.le(high.z);
     let none = U32s::splat(NO_SLAB);
     let mut found = none;
     if !near.any() {
@@ -211,22 +184,4 @@ fn slabs_of(map: &BentMap, slabs: &[SlabLanes], q: Vec3s) -> U32s {
         found = U32s::select(is_first, U32s::splat(index as u32), found);
     }
     found
-}
-
-struct Split<'a> {
-    map: &'a BentMap<'a>,
-    slabs: &'a [SlabLanes],
-    casters: &'a BentCasters<'a>,
-    to_clip: &'a [ToClip],
-    patches: &'a [Patch],
-    into: &'a mut SplitTriangles,
-}
-
-impl SimdTask for Split<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        split((self.map, self.slabs), self.casters, (self.to_clip, self.patches), self.into);
-    }
 }

@@ -12,12 +12,13 @@ mod triangles;
 mod visibility;
 
 use glam::{Mat4, Vec3};
-use light::{Curve, Lanes, LightProfile, Mask, Segment, Tube, TubeBox};
+use light::{Curve, Lanes, LightProfile, Mask, Segment, Tube, TubeBox, TubeRoot};
 
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, Vec3s};
-use crate::shape::{LightSampleLanes, RelitShape};
+use crate::shape::{LightSampleLanes, RelitShape, finite_attenuation};
 use crate::surfaces::SurfaceLanes;
+use crate::transform::Affine3s;
 use crate::{CasterScene, ShadowFilter};
 
 pub use casters::{BentCasters, BentFace, BentMap};
@@ -26,17 +27,16 @@ pub use slab::{MapSlab, TubeSpace};
 
 /// Largest color and largest intensity. Their product stays finite.
 const MAX_INTENSITY: f32 = 1e15;
-/// Largest emission, and largest attenuation of it, for which the irradiance stays finite through the BRDF.
+/// Largest emission for which the irradiance stays finite through the BRDF.
 const MAX_EMISSION: f32 = 1e15;
 
 /// BendyLight, or a part of one, as it is drawn.
 #[derive(Debug)]
 pub struct RelitBent {
     tube: Tube<F32s>,
-    /// Matrix from scene space to tube space: three columns and the translation.
-    tube_from_scene: [Vec3s; 4],
-    /// Columns of the rotation from tube space to the world.
-    world_from_tube: [Vec3s; 3],
+    tube_from_scene: Affine3s,
+    /// Rotation from tube axes to world axes.
+    world_from_tube: Affine3s,
     world_per_tube: f32,
     map: BentMapParams,
 }
@@ -54,7 +54,7 @@ pub struct BentMapParams {
     pub slope: Option<f32>,
     /// Distance behind the map's depth up to which a receiver is lit, in texels.
     pub tolerance_texels: f32,
-    /// Largest deviation of the casters from the surface, in tube space.
+    /// Largest distance of the casters, which may be simplified, from the scene's surface, in tube space.
     pub mesh_error: f32,
     /// Center and 1 / half size of the drawn part of each face, as slopes.
     pub fits: [[f32; 4]; 5],
@@ -66,30 +66,11 @@ impl RelitBent {
     pub fn new(tube: &Tube<f64>, tube_from_scene: Mat4, map: BentMapParams) -> Self {
         Self {
             tube: splat_tube(tube),
-            tube_from_scene: tube_from_scene.to_cols_array_2d().map(|[x, y, z, _]| Vec3s::splat([x, y, z])),
-            world_from_tube: tube.placement.rotation.as_mat3().to_cols_array_2d().map(Vec3s::splat),
+            tube_from_scene: Affine3s::splat(tube_from_scene),
+            world_from_tube: Affine3s::splat(Mat4::from_mat3(tube.placement.rotation.as_mat3())),
             world_per_tube: tube.placement.world_per_tube as f32,
             map,
         }
-    }
-
-    /// Transforms a position in the scene to tube space.
-    #[inline(always)]
-    fn tube_position(&self, position: Vec3s) -> Vec3s {
-        let columns = &self.tube_from_scene;
-        columns[0] * position.x + columns[1] * position.y + columns[2] * position.z + columns[3]
-    }
-
-    #[inline(always)]
-    fn world_vector(&self, v: Vec3s) -> Vec3s {
-        let columns = &self.world_from_tube;
-        columns[0] * v.x + columns[1] * v.y + columns[2] * v.z
-    }
-
-    #[inline(always)]
-    fn tube_vector(&self, v: Vec3s) -> Vec3s {
-        let columns = &self.world_from_tube;
-        F32s::vec3([F32s::dot(columns[0], v), F32s::dot(columns[1], v), F32s::dot(columns[2], v)])
     }
 }
 
@@ -104,22 +85,17 @@ impl RelitShape for RelitBent {
         scene: &CasterScene,
         map: Option<&DepthMap>,
         surface: &SurfaceLanes,
-        asked: Masks,
+        active: Masks,
     ) -> LightSampleLanes {
-        let q = self.tube_position(surface.position);
-        let nearest = root::nearest(&self.tube, q, asked);
-        let (zero, nothing) = (F32s::splat(0.0), Vec3s::splat([0.0; 3]));
-        let mut sample = LightSampleLanes {
-            inside: nearest.found,
-            direction: nothing,
-            irradiance: nothing,
-            visibility: zero,
-        };
+        let q = self.tube_from_scene.position(surface.position);
+        let nearest = root::nearest(&self.tube, q, active);
+        let mut sample = LightSampleLanes { inside: nearest.found, ..LightSampleLanes::none() };
         // Sixteen neighbouring pixels mostly lie in one segment.
         for segment in 0..self.tube.segments.len() {
             let here = nearest.found & nearest.segment.equals(F32s::splat(segment as f32));
             if here.any() {
-                let of_segment = self.sample_segment(scene, map, surface, &nearest, (segment, q, here));
+                let (inside, _) = self.tube.inside_at(segment, q, nearest.u);
+                let of_segment = self.sample_at(scene, map, surface, &self.tube.root_at(&inside), here);
                 sample.direction = F32s::select_vec(here, of_segment.direction, sample.direction);
                 sample.irradiance = F32s::select_vec(here, of_segment.irradiance, sample.irradiance);
                 sample.visibility = F32s::select(here, of_segment.visibility, sample.visibility);
@@ -130,32 +106,28 @@ impl RelitShape for RelitBent {
 }
 
 impl RelitBent {
-    /// Samples the light at the roots of one segment.
+    /// Samples the light at roots of one segment, in the `here` lanes.
     #[inline(always)]
-    fn sample_segment(
+    fn sample_at(
         &self,
         scene: &CasterScene,
         map: Option<&DepthMap>,
         surface: &SurfaceLanes,
-        nearest: &root::Nearest,
-        (segment, q, here): (usize, Vec3s, Masks),
+        root: &TubeRoot<F32s>,
+        here: Masks,
     ) -> LightSampleLanes {
-        let (inside, _) = self.tube.inside_at(segment, q, nearest.u);
-        let root = self.tube.root_at(&inside);
-        let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
-        let radius = F32s::select(root.radius.gt(zero), root.radius, one);
+        let one = F32s::splat(1.0);
+        let radius = F32s::select(root.radius.gt(F32s::ZERO), root.radius, one);
         let (v, w) = (root.v_len / radius, root.w_len / radius);
-        let toward = self.world_vector(self.tube.direction_at(&root));
-        let filter = &self.tube.light_profile;
-        let s = if filter.needs_distance() { self.tube.path_length(&root) } else { zero };
+        let toward = self.world_from_tube.vector(self.tube.direction_at(root));
+        let profile = &self.tube.light_profile;
+        let s = if profile.needs_distance() { self.tube.path_length(root) } else { F32s::ZERO };
         let most = F32s::splat(MAX_EMISSION);
-        let [r, g, b] = F32s::coordinates(self.tube.segments[segment].emission(root.u));
+        let [r, g, b] = F32s::coordinates(self.tube.segments[root.segment].emission(root.u));
         let emission = F32s::vec3([r.least(most), g.least(most), b.least(most)]);
-        let share = filter.attenuation_at(v, w, s);
-        // At the source the irradiance would be infinite.
-        let share = F32s::select(share.le(most), share, most);
+        let share = finite_attenuation(profile, v, w, s);
         let visibility = match map {
-            Some(map) => self.visibility(scene, map, surface, (&root, v, w), here),
+            Some(map) => self.visibility(scene, map, surface, &self.path(root, v, w), here),
             None => one,
         };
         LightSampleLanes {

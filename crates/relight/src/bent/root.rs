@@ -17,21 +17,21 @@ pub(crate) struct Nearest {
     radius: F32s,
 }
 
-/// Finds the roots of the points `q` in tube space, for the `asked` lanes. At a joint both segments give the same root
+/// Finds the roots of the points `q` in tube space, for the `active` lanes. At a joint both segments give the same root
 /// up to rounding, and either will do.
 #[inline(always)]
-pub(crate) fn nearest(tube: &Tube<F32s>, q: Vec3s, asked: Masks) -> Nearest {
+pub(crate) fn nearest(tube: &Tube<F32s>, q: Vec3s, active: Masks) -> Nearest {
     let zero = F32s::splat(0.0);
     let mut best = Nearest { found: Masks::of(false), segment: zero, u: zero, r2: zero, radius: zero };
     let mut f0 = tube.first_joint(q);
     for i in 0..tube.segments.len() {
         let f1 = tube.end_joint(i, q);
         let roots = tube.candidates(i, q, f0, f1);
-        if (asked & roots.has_left).any() {
-            consider(&mut best, tube, (i, q), (roots.left, asked & roots.has_left));
+        if (active & roots.has_left).any() {
+            consider(&mut best, tube, i, q, roots.left, active & roots.has_left);
         }
-        if (asked & roots.has_right).any() {
-            consider(&mut best, tube, (i, q), (roots.right, asked & roots.has_right));
+        if (active & roots.has_right).any() {
+            consider(&mut best, tube, i, q, roots.right, active & roots.has_right);
         }
         f0 = f1;
     }
@@ -39,7 +39,7 @@ pub(crate) fn nearest(tube: &Tube<F32s>, q: Vec3s, asked: Masks) -> Nearest {
 }
 
 #[inline(always)]
-fn consider(best: &mut Nearest, tube: &Tube<F32s>, (i, q): (usize, Vec3s), (u, has): (F32s, Masks)) {
+fn consider(best: &mut Nearest, tube: &Tube<F32s>, i: usize, q: Vec3s, u: F32s, has: Masks) {
     let (inside, is_inside) = tube.inside_at(i, q, u);
     let nearer = (inside.r2 * best.radius * best.radius).lt(best.r2 * inside.radius * inside.radius);
     let better = has & is_inside & (nearer | !best.found);

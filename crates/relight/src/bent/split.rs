@@ -8,6 +8,7 @@ use super::slab::{MapSlab, SlabLanes, TubePosition, lanes_from_points};
 use crate::lanes::LANES;
 use crate::raster::{AlphaTestedTriangle, RasterTriangle};
 use crate::scene::weights_at;
+use crate::simd::SimdTask;
 use glam::Vec3;
 
 /// Most levels of splitting. Patches of the last level are drawn as they are.
@@ -63,40 +64,49 @@ struct SplitMemory {
     edges: Vec<[Option<usize>; 3]>,
 }
 
-/// Clips the triangles `to_clip`, and splits the results and `patches`. Both lists are sorted by slab. Adds the
-/// resulting triangles to `into`.
-#[inline(always)]
-pub(super) fn split(
-    (map, slabs): (&BentMap, &[SlabLanes]),
-    casters: &BentCasters,
-    (to_clip, patches): (&[ToClip], &[Patch]),
-    into: &mut SplitTriangles,
-) {
-    let mut memory = SplitMemory::default();
-    let mut level_patches = patches.to_vec();
-    for of_slab in to_clip.chunk_by(|a, b| a.slab == b.slab) {
-        clip((map, &slabs[of_slab[0].slab as usize]), casters, of_slab, &mut memory, &mut level_patches);
-    }
-    for level in 0..=MAX_LEVELS {
-        let mut next = Vec::new();
-        for of_slab in level_patches.chunk_by(|a, b| a.slab == b.slab) {
-            let slab = &slabs[of_slab[0].slab as usize];
-            measure((map, slab), of_slab, &mut memory);
-            for (patch, edges) in of_slab.iter().zip(&memory.edges) {
-                let middles = middles_of(map, patch, (edges, &memory));
-                divide(map, casters, (patch, &middles), level == MAX_LEVELS, (&mut next, into));
+/// Task that clips the triangles `to_clip`, and splits the results and `patches`. Both lists are sorted by slab. It
+/// adds the resulting triangles to `into`.
+pub(super) struct Split<'a> {
+    pub map: &'a BentMap<'a>,
+    pub slabs: &'a [SlabLanes],
+    pub casters: &'a BentCasters<'a>,
+    pub to_clip: &'a [ToClip],
+    pub patches: &'a [Patch],
+    pub into: &'a mut SplitTriangles,
+}
+
+impl SimdTask for Split<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { map, slabs, casters, to_clip, patches, into } = self;
+        let mut memory = SplitMemory::default();
+        let mut level_patches = patches.to_vec();
+        for of_slab in to_clip.chunk_by(|a, b| a.slab == b.slab) {
+            clip(map, &slabs[of_slab[0].slab as usize], casters, of_slab, &mut memory, &mut level_patches);
+        }
+        for level in 0..=MAX_LEVELS {
+            let mut next = Vec::new();
+            for of_slab in level_patches.chunk_by(|a, b| a.slab == b.slab) {
+                let slab = &slabs[of_slab[0].slab as usize];
+                measure(map, slab, of_slab, &mut memory);
+                for (patch, edges) in of_slab.iter().zip(&memory.edges) {
+                    let middles = middles_of(map, patch, edges, &memory);
+                    divide(map, casters, patch, &middles, level == MAX_LEVELS, &mut next, into);
+                }
             }
+            if next.is_empty() {
+                return;
+            }
+            level_patches = next;
         }
-        if next.is_empty() {
-            return;
-        }
-        level_patches = next;
     }
 }
 
 /// Computes the tube coordinates of points in one slab, sixteen at a time.
 #[inline(always)]
-fn map_points((map, slab): (&BentMap, &SlabLanes), points: &[Vec3], mapped: &mut Vec<TubePosition<f32>>) {
+fn map_points(map: &BentMap, slab: &SlabLanes, points: &[Vec3], mapped: &mut Vec<TubePosition<f32>>) {
     mapped.clear();
     for points in points.chunks(LANES) {
         let lanes = slab.to_tube_position(&map.space, lanes_from_points(points));
@@ -109,7 +119,8 @@ fn map_points((map, slab): (&BentMap, &SlabLanes), points: &[Vec3], mapped: &mut
 /// Clips triangles to their slab in the scene, and adds the results as fans of patches.
 #[inline(always)]
 fn clip(
-    (map, slab): (&BentMap, &SlabLanes),
+    map: &BentMap,
+    slab: &SlabLanes,
     casters: &BentCasters,
     items: &[ToClip],
     memory: &mut SplitMemory,
@@ -126,7 +137,7 @@ fn clip(
         memory.points.extend(&polygon[..count]);
         counts.push(count);
     }
-    map_points((map, slab), &memory.points, &mut memory.mapped);
+    map_points(map, slab, &memory.points, &mut memory.mapped);
     let mut first = 0;
     for (item, count) in items.iter().zip(counts) {
         let corners = &memory.points[first..first + count];
@@ -184,7 +195,7 @@ fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MAX_CORNERS],
 /// Computes the tube coordinates of points on the edges of `patches`, all of one slab. From these points follows if an
 /// edge is straight.
 #[inline(always)]
-fn measure((map, slab): (&BentMap, &SlabLanes), patches: &[Patch], memory: &mut SplitMemory) {
+fn measure(map: &BentMap, slab: &SlabLanes, patches: &[Patch], memory: &mut SplitMemory) {
     memory.points.clear();
     memory.edges.clear();
     let bounds = map.slabs[patches[0].slab as usize].edge_bounds;
@@ -201,7 +212,7 @@ fn measure((map, slab): (&BentMap, &SlabLanes), patches: &[Patch], memory: &mut 
         }
         memory.edges.push(edges);
     }
-    map_points((map, slab), &memory.points, &mut memory.mapped);
+    map_points(map, slab, &memory.points, &mut memory.mapped);
 }
 
 impl Patch {
@@ -218,13 +229,8 @@ impl Patch {
 ///
 /// The rasterizer draws the middle of the homogeneous (V, W, R). On a straight cone both agree.
 #[inline(always)]
-fn middles_of(
-    map: &BentMap,
-    patch: &Patch,
-    (edges, memory): (&[Option<usize>; 3], &SplitMemory),
-) -> [Middle; 3] {
-    let mut middles =
-        [Middle { needs_split: false, edge_error: 0.0, q: Vec3::ZERO, mapped: patch.mapped[0] }; 3];
+fn middles_of(map: &BentMap, patch: &Patch, edges: &[Option<usize>; 3], memory: &SplitMemory) -> [Middle; 3] {
+    let mut middles = [Middle { needs_split: false, edge_error: 0.0, q: Vec3::ZERO, mapped: patch.mapped[0] }; 3];
     let MapSlab { curve, t_span, .. } = &map.slabs[patch.slab as usize];
     for k in 0..3 {
         let Some(first) = edges[k] else { continue };
@@ -235,7 +241,7 @@ fn middles_of(
         (middle.q, middle.mapped) = (memory.points[first], memory.mapped[first]);
         for (i, straight) in there.iter().enumerate() {
             let (q, mapped) = (memory.points[first + i], &memory.mapped[first + i]);
-            middle.needs_split |= exceeds_tolerance(map, (curve, *t_span), q, (mapped, straight));
+            middle.needs_split |= exceeds_tolerance(map, curve, *t_span, q, mapped, straight);
             middle.edge_error = middle.edge_error.max(edge_error(mapped, straight));
         }
     }
@@ -268,9 +274,11 @@ fn alpha_tested_triangle(map: &BentMap, casters: &BentCasters, patch: &Patch) ->
 fn divide(
     map: &BentMap,
     casters: &BentCasters,
-    (patch, middles): (&Patch, &[Middle; 3]),
+    patch: &Patch,
+    middles: &[Middle; 3],
     is_last: bool,
-    (next, into): (&mut Vec<Patch>, &mut SplitTriangles),
+    next: &mut Vec<Patch>,
+    into: &mut SplitTriangles,
 ) {
     let [a, b, c] = &patch.mapped;
     let bow = middles[0].edge_error.max(middles[1].edge_error).max(middles[2].edge_error);

@@ -10,7 +10,7 @@ use super::slab::{SlabLanes, TubePosition};
 use super::split::{Patch, ToClip};
 use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
 use crate::raster::RasterTriangle;
-use crate::simd::{self, SimdTask};
+use crate::simd::SimdTask;
 
 /// Vertex of a caster.
 #[derive(Clone, Copy, Debug)]
@@ -32,28 +32,14 @@ pub(super) struct SortedTriangles {
     pub to_clip: Vec<ToClip>,
 }
 
-impl SortedTriangles {
-    /// Sorts the triangles of `leaves` into these lists, and discards their former contents.
-    pub fn sort(
-        &mut self,
-        (map, slabs): (&BentMap, &[SlabLanes]),
-        (casters, vertices): (&BentCasters, &[Vertex]),
-        leaves: &[[u32; 2]],
-    ) {
-        self.unsplit.clear();
-        self.patches.clear();
-        self.to_clip.clear();
-        simd::run(SortTriangles { map, slabs, casters, vertices, leaves, listed: self });
-    }
-}
-
-struct SortTriangles<'a> {
-    map: &'a BentMap<'a>,
-    slabs: &'a [SlabLanes],
-    casters: &'a BentCasters<'a>,
-    vertices: &'a [Vertex],
-    leaves: &'a [[u32; 2]],
-    listed: &'a mut SortedTriangles,
+/// Task that sorts the triangles of `leaves` into the lists of `listed`, and discards their former contents.
+pub(super) struct SortTriangles<'a> {
+    pub map: &'a BentMap<'a>,
+    pub slabs: &'a [SlabLanes],
+    pub casters: &'a BentCasters<'a>,
+    pub vertices: &'a [Vertex],
+    pub leaves: &'a [[u32; 2]],
+    pub listed: &'a mut SortedTriangles,
 }
 
 impl SimdTask for SortTriangles<'_> {
@@ -61,17 +47,26 @@ impl SimdTask for SortTriangles<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        for &[first, count_and_shell] in self.leaves {
-            let end = first + (count_and_shell & 0xffff);
-            let shell = count_and_shell >> 16;
-            let mut triangle = first;
-            while triangle < end {
-                let count = (end - triangle).min(LANES as u32) as usize;
-                self.sort_sixteen(triangle, count, shell);
-                triangle += LANES as u32;
+        self.listed.unsplit.clear();
+        self.listed.patches.clear();
+        self.listed.to_clip.clear();
+        for &[first, count_and_kind] in self.leaves {
+            let (end, kind) = (first + (count_and_kind & 0xffff), count_and_kind >> 16);
+            for first in (first..end).step_by(LANES) {
+                let count = (end - first).min(LANES as u32) as usize;
+                self.sort_sixteen(LeafTriangles { first, count, kind });
             }
         }
     }
+}
+
+/// At most sixteen triangles of a leaf.
+#[derive(Clone, Copy)]
+struct LeafTriangles {
+    first: u32,
+    count: usize,
+    /// Kind of the leaf's surface.
+    kind: u32,
 }
 
 /// Corners of sixteen triangles: positions in tube space, tube coordinates, and the slab that holds each corner.
@@ -84,22 +79,18 @@ struct Corners {
 }
 
 impl SortTriangles<'_> {
-    /// Sorts `count` triangles of a leaf, at most sixteen, from `first` on. `shell` is the kind of the leaf's surface.
     #[inline(always)]
-    fn sort_sixteen(&mut self, first: u32, count: usize, shell: u32) {
-        let corners = self.corners(first, count);
-        let mut there = Masks::of(false);
-        for i in 0..count {
-            there.0[i] = u32::MAX;
-        }
+    fn sort_sixteen(&mut self, triangles: LeafTriangles) {
+        let corners = self.corners(triangles.first, triangles.count);
+        let exist = below(LANE_INDICES, triangles.count);
         let [slab_a, slab_b, slab_c] = corners.slab;
-        let in_one = there & slab_a.equals(slab_b) & slab_a.equals(slab_c) & below(slab_a, self.slabs.len());
+        let in_one = exist & slab_a.equals(slab_b) & slab_a.equals(slab_c) & below(slab_a, self.slabs.len());
         if in_one.any() {
-            self.sort_in_one_slab(&corners, in_one, (first, count, shell));
+            self.sort_in_one_slab(&corners, in_one, triangles);
         }
-        let across = there & !in_one;
+        let across = exist & !in_one;
         if across.any() {
-            self.sort_across_slabs(&corners, across, (first, count, shell));
+            self.sort_across_slabs(&corners, across, triangles);
         }
     }
 
@@ -107,8 +98,7 @@ impl SortTriangles<'_> {
     fn corners(&self, first: u32, count: usize) -> Corners {
         let (zero, none) = (F32s::splat(0.0), Vec3s::splat([0.0; 3]));
         let nowhere = TubePosition { v: zero, w: zero, r: zero, t: zero };
-        let mut corners =
-            Corners { q: [none; 3], mapped: [nowhere; 3], slab: [U32s::splat(0); 3], bounds: [zero; 4] };
+        let mut corners = Corners { q: [none; 3], mapped: [nowhere; 3], slab: [U32s::splat(0); 3], bounds: [zero; 4] };
         for i in 0..LANES {
             let index = 3 * (first as usize + i.min(count - 1));
             for k in 0..3 {
@@ -130,13 +120,14 @@ impl SortTriangles<'_> {
 
     /// Returns the index of a triangle among those with an alpha test, or the kind of its surface if it has none.
     #[inline(always)]
-    fn caster_of(&self, triangle: u32, shell: u32) -> u32 {
+    fn caster_of(&self, triangle: u32, kind: u32) -> u32 {
         let opaque = self.casters.opaque_triangles;
-        if triangle >= opaque { triangle - opaque } else { OPEN - shell }
+        if triangle >= opaque { triangle - opaque } else { OPEN - kind }
     }
 
     #[inline(always)]
-    fn sort_in_one_slab(&mut self, corners: &Corners, here: Masks, (first, count, shell): (u32, usize, u32)) {
+    fn sort_in_one_slab(&mut self, corners: &Corners, here: Masks, triangles: LeafTriangles) {
+        let LeafTriangles { first, count, kind } = triangles;
         let [qa, qb, qc] = corners.q;
         let [a, b, c] = &corners.mapped;
         // Nearly all edges are safe. A closer look here would cost nine solves for every triangle.
@@ -145,14 +136,9 @@ impl SortTriangles<'_> {
             & Edge { qa: qb, a: *b, qb: qc, b: *c }.is_safe(bounds)
             & Edge { qa: qc, a: *c, qb: qa, b: *a }.is_safe(bounds);
         let mut dropped = off_map(self.map, [a, b, c], F32s::splat(0.0));
-        if shell != 0 {
-            let turned = if OPEN - shell == INSIDE_OUT { 1.0 } else { -1.0 };
-            let mut opaque = Masks::of(true);
-            for i in 0..LANES {
-                if first + i as u32 >= self.casters.opaque_triangles {
-                    opaque.0[i] = 0;
-                }
-            }
+        if kind != 0 {
+            let turned = if OPEN - kind == INSIDE_OUT { 1.0 } else { -1.0 };
+            let opaque = below(U32s::splat(first) + LANE_INDICES, self.casters.opaque_triangles as usize);
             dropped = dropped | (opaque & faces_away(self.map, [a, b, c], F32s::splat(turned)));
         }
         let left = here & !(safe & dropped);
@@ -160,7 +146,7 @@ impl SortTriangles<'_> {
             if !left.lane(i) {
                 continue;
             }
-            let caster = self.caster_of(first + i as u32, shell);
+            let caster = self.caster_of(first + i as u32, kind);
             let mapped = [a.lane(i), b.lane(i), c.lane(i)];
             // Patches know their triangle, and so its alpha test.
             if safe.lane(i) && caster >= INSIDE_OUT {
@@ -173,12 +159,8 @@ impl SortTriangles<'_> {
     }
 
     #[inline(always)]
-    fn sort_across_slabs(
-        &mut self,
-        corners: &Corners,
-        across: Masks,
-        (first, count, shell): (u32, usize, u32),
-    ) {
+    fn sort_across_slabs(&mut self, corners: &Corners, across: Masks, triangles: LeafTriangles) {
+        let LeafTriangles { first, count, kind } = triangles;
         let near = across & near_all(self.map.bounds, &corners.q);
         if !near.any() {
             return;
@@ -191,7 +173,7 @@ impl SortTriangles<'_> {
             for i in 0..count {
                 if touched.lane(i) {
                     let triangle = first + i as u32;
-                    let caster = self.caster_of(triangle, shell);
+                    let caster = self.caster_of(triangle, kind);
                     self.listed.to_clip.push(ToClip { triangle, slab: index as u32, caster });
                 }
             }
@@ -199,10 +181,12 @@ impl SortTriangles<'_> {
     }
 }
 
+const LANE_INDICES: U32s = U32s([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
+
 /// Returns the lanes whose number is less than a limit.
 #[inline(always)]
 fn below(numbers: U32s, limit: usize) -> Masks {
-    let mut below = Masks::of(false);
+    let mut below = Masks::ZERO;
     for i in 0..LANES {
         below.0[i] = if (numbers.0[i] as usize) < limit { u32::MAX } else { 0 };
     }

@@ -10,13 +10,10 @@ use crate::lanes::{F32s, Masks, U32s, Vec3s};
 use crate::nearby::{self, ReceiverPoint};
 use crate::surfaces::SurfaceLanes;
 use crate::visibility::{
-    Facing, LitTexels, Receiver, facing, filter_visibility, gathered, needs_exact_trace, resolve_visibility,
+    Facing, GRAZING_TEXELS, LitTexels, Receiver, facing, filter_visibility, gathered, needs_exact_trace,
+    resolve_visibility,
 };
 
-/// Run of the receiver's plane, in texel widths, above which light counts as grazing, and ray tests against the scene
-/// decide where the map cannot. The run is the distance along the light by which the plane changes from one texel to
-/// the next.
-const GRAZING_TEXELS: f32 = 1.0;
 /// Run, in texel widths, above which ray tests against the scene decide in any case.
 const EDGE_ON: f32 = 256.0;
 /// Largest run, in texel widths, that increases the tolerance of the map.
@@ -55,6 +52,10 @@ struct BentReceiver {
     reach: F32s,
     /// Depth that corresponds to a stored value of 1.
     far: F32s,
+    /// Width of a texel, as a depth.
+    width: F32s,
+    /// Lanes in which light grazes.
+    grazes: Masks,
 }
 
 impl Receiver for BentReceiver {
@@ -66,11 +67,10 @@ impl Receiver for BentReceiver {
     #[inline(always)]
     fn lit_texels(&self, map: &DepthMap, corner: Pair) -> LitTexels {
         let (zero, side) = (F32s::splat(0.0), map.side() as f32);
-        // Where the tube's rim touches the map's, a lookup beyond it reads one texel further in. Farther out nothing
+        // If the tube's rim touches the map's, a lookup beyond it reads one texel further in. Farther out nothing
         // casts shadows, though surfaces that cast none are drawn up to the map's border.
         let (low, high) = (F32s::splat(-1.5), F32s::splat(side + 0.5));
-        let beyond =
-            self.texel[0].lt(low) | self.texel[1].lt(low) | self.texel[0].gt(high) | self.texel[1].gt(high);
+        let beyond = self.texel[0].lt(low) | self.texel[1].lt(low) | self.texel[0].gt(high) | self.texel[1].gt(high);
         let last = F32s::splat(side - 2.0);
         let first = [corner[0].within(zero, last), corner[1].within(zero, last)];
         let [dx, dy] = self.step;
@@ -90,7 +90,10 @@ impl Receiver for BentReceiver {
 }
 
 /// Derivatives of a light path at a root, and the frame of the cross-section there.
-struct PathFrame {
+pub(super) struct PathFrame<'a> {
+    root: &'a TubeRoot<F32s>,
+    v: F32s,
+    w: F32s,
     v_hat: Vec3s,
     w_hat: Vec3s,
     /// Half the first derivative of the curve's position by u. The next field is half the second derivative.
@@ -114,7 +117,7 @@ struct OffsetPoint {
 
 impl RelitBent {
     #[inline(always)]
-    fn path(&self, root: &TubeRoot<F32s>, v: F32s, w: F32s) -> PathFrame {
+    pub(super) fn path<'a>(&self, root: &'a TubeRoot<F32s>, v: F32s, w: F32s) -> PathFrame<'a> {
         let curve = &self.tube.segments[root.segment].curve;
         let (v_hat, w_hat) = (root.v_hat, F32s::cross(root.u_hat, root.v_hat));
         let d = curve.d(root.u);
@@ -125,28 +128,15 @@ impl RelitBent {
         let tangent = root.u_hat * (center_speed - F32s::dot(root.r, u_hat_derivative))
             + (v_hat * v + w_hat * w) * radius_derivative
             + F32s::cross(root.u_hat, root.r) * twist;
-        PathFrame {
-            v_hat,
-            w_hat,
-            d,
-            a: curve.a,
-            u_hat_derivative,
-            radius_derivative,
-            tangent,
-            twist,
-            center_speed,
-        }
+        let a = curve.a;
+        PathFrame { root, v, w, v_hat, w_hat, d, a, u_hat_derivative, radius_derivative, tangent, twist, center_speed }
     }
 
     /// Computes the tube coordinates of a point at the short distance `lift` from a root, to second order. `sigma` is
     /// `|P'| - r . u_hat'`.
     #[inline(always)]
-    fn offset_point(
-        &self,
-        (root, path): (&TubeRoot<F32s>, &PathFrame),
-        lift: Vec3s,
-        sigma: F32s,
-    ) -> OffsetPoint {
+    fn offset_point(&self, path: &PathFrame, lift: Vec3s, sigma: F32s) -> OffsetPoint {
+        let root = path.root;
         let (zero, one, two) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(2.0));
         let curve = &self.tube.segments[root.segment].curve;
         // grad t = u_hat / sigma, and from there a step of Newton's method on r . P'.
@@ -165,14 +155,10 @@ impl RelitBent {
         let w_len = F32s::dot(r_there, F32s::cross(u_hat, v_hat));
         let turned = path.twist * dt;
         let radius = root.radius + (path.radius_derivative + curve.ar * dt) * dt;
-        OffsetPoint {
-            dt,
-            vw_len: [v_len + turned * w_len, w_len - turned * v_len],
-            radius: radius.most(zero),
-        }
+        OffsetPoint { dt, vw_len: [v_len + turned * w_len, w_len - turned * v_len], radius: radius.most(zero) }
     }
 
-    /// Computes the share of the light that no caster blocks, for the `asked` lanes.
+    /// Computes the share of the light that no caster blocks, for the `active` lanes.
     ///
     /// The receiver's own plane has a t at each texel's center, and that t is compared with the texel, so that no plane
     /// shadows itself: a step e in the plane is `R (dv v_hat + dw w_hat) + T dt` with T the path's tangent, and n.e = 0
@@ -183,72 +169,64 @@ impl RelitBent {
         scene: &CasterScene,
         map: &DepthMap,
         surface: &SurfaceLanes,
-        (root, v, w): (&TubeRoot<F32s>, F32s, F32s),
-        asked: Masks,
+        path: &PathFrame,
+        active: Masks,
     ) -> F32s {
-        let zero = F32s::splat(0.0);
-        let path = self.path(root, v, w);
-        let arriving = self.world_vector(path.tangent);
+        let (zero, root) = (F32s::ZERO, path.root);
+        let arriving = self.world_from_tube.vector(path.tangent);
         let arriving = arriving * (F32s::splat(-1.0) / F32s::length(arriving));
-        let Facing { active: asked, faces_light, normal } = facing(scene, surface, arriving, asked);
-        if !asked.any() {
+        let Facing { active, faces_light, normal } = facing(scene, surface, arriving, active);
+        if !active.any() {
             return zero;
         }
         let curvature = F32s::dot(root.r, path.u_hat_derivative);
         let sigma = (path.center_speed - curvature).most(F32s::splat(0.1) * path.center_speed);
         let world_per_tube = F32s::splat(self.world_per_tube);
-        let lift = self.tube_vector(surface.normal) * (surface.terminator_offset / world_per_tube);
-        let lifted = self.offset_point((root, &path), lift, sigma);
+        let lift =
+            self.world_from_tube.transposed_vector(surface.normal) * (surface.terminator_offset / world_per_tube);
+        let lifted = self.offset_point(path, lift, sigma);
         let on_map = map_texel(&self.map, map.side() as f32, lifted.vw_len, lifted.radius);
 
-        let normal = self.tube_vector(normal);
-        let plane = (normal, faces_light);
-        let (receiver, width, grazes) = self.receiver(root, (&path, v, w), &lifted, &on_map, plane);
-        let run = length2(receiver.step);
+        let normal = self.world_from_tube.transposed_vector(normal);
+        let receiver = self.receiver(path, &lifted, &on_map, normal, faces_light);
+        let (width, run) = (receiver.width, length2(receiver.step));
         let shares = filter_visibility(&receiver, map, self.map.filter);
-        let is_deferred = needs_exact_trace(shares, grazes) | shares.resolved.lt(shares.deferred);
+        let is_deferred = needs_exact_trace(shares, receiver.grazes) | shares.resolved.lt(shares.deferred);
         let is_edge_on = run.gt(F32s::splat(EDGE_ON) * width) & shares.deferred.gt(zero);
-        let asks = asked & (is_deferred | is_edge_on);
+        let traced = active & (is_deferred | is_edge_on);
         // A steep caster beside the receiver may be nearer than at it, so the ray test covers twice the reach.
         let two = F32s::splat(2.0);
-        let back =
-            F32s::select(is_deferred, two * receiver.reach + run, two * F32s::splat(REACH_TEXELS) * width);
+        let back = F32s::select(is_deferred, two * receiver.reach + run, two * F32s::splat(REACH_TEXELS) * width);
         let back = back / on_map.gain;
         let t = F32s::splat(root.segment as f32) + root.u + lifted.dt;
         let radii = F32s::select(lifted.radius.gt(zero), lifted.radius, F32s::splat(1.0));
         let (v, w) = (lifted.vw_len[0] / radii, lifted.vw_len[1] / radii);
-        let visibility = resolve_visibility(shares, asks, |i| {
+        let visibility = resolve_visibility(shares, traced, |i| {
             let first = FIRST_PIECE * width.0[i] / on_map.gain.0[i];
             let [t, v, w, back] = [t, v, w, back].map(|x| x.0[i]);
             let reaches = |pieces: &usize| first * (1_u32 << (pieces - 1)) as f32 >= back;
             let pieces = (1..MAX_PIECES).find(reaches).unwrap_or(MAX_PIECES);
-            self.is_path_occluded(
-                scene,
-                &surface.receiver_point(i),
-                ([t, v, w], back, pieces),
-                faces_light.lane(i),
-            )
+            self.is_path_occluded(scene, &surface.receiver_point(i), [t, v, w], back, pieces, faces_light.lane(i))
         });
-        F32s::select(asked, visibility, zero)
+        F32s::select(active, visibility, zero)
     }
 
-    /// Makes the receivers for planes with the unit vector `normal` in tube space. Also returns the width of a texel as
-    /// a depth, and the lanes in which light grazes.
+    /// Makes the receivers for planes with the unit vector `normal` in tube space.
     #[inline(always)]
     fn receiver(
         &self,
-        root: &TubeRoot<F32s>,
-        (path, v, w): (&PathFrame, F32s, F32s),
+        path: &PathFrame,
         lifted: &OffsetPoint,
         on_map: &MapTexel,
-        (normal, faces_light): (Vec3s, Masks),
-    ) -> (BentReceiver, F32s, Masks) {
-        let place = &self.map;
-        let t = F32s::splat(root.segment as f32) + root.u + lifted.dt - F32s::splat(place.t_base);
+        normal: Vec3s,
+        faces_light: Masks,
+    ) -> BentReceiver {
+        let (map, root) = (&self.map, path.root);
+        let t = F32s::splat(root.segment as f32) + root.u + lifted.dt - F32s::splat(map.t_base);
         let leaning = [F32s::dot(normal, path.v_hat), F32s::dot(normal, path.w_hat)];
         // Texel width in the scene as a step in t, at most that at the speed by which the map's own error is measured.
-        let speed = F32s::length(path.tangent).least(map_speed(place, path, v, w)).most(F32s::splat(1e-20));
-        let footprint = texel_width(place, on_map, (lifted.radius, path)) / speed;
+        let speed = F32s::length(path.tangent).least(map_speed(map, path)).most(F32s::splat(1e-20));
+        let footprint = texel_width(map, on_map, lifted.radius, path) / speed;
         // A plane seen edge on runs off along the light within a texel, in the direction in which it leans.
         let edge_on = length2(leaning) * speed;
         let facing = (-F32s::dot(normal, path.tangent)).most(edge_on * F32s::splat(1.0 / EDGE_ON_RUN_TEXELS));
@@ -264,12 +242,10 @@ impl RelitBent {
         let run = length2(step);
         let grazes = !faces_light | run.gt(F32s::splat(GRAZING_TEXELS) * width);
         let near = F32s::select(grazes, F32s::splat(REACH_TEXELS), F32s::splat(NEAR_REACH_TEXELS)) * width;
-        let rounding =
-            F32s::splat(place.t_last / 4_194_304.0) + F32s::splat(place.mesh_error) / caster_facing;
-        let tolerance = F32s::splat(place.tolerance_texels)
-            * (width + run.least(F32s::splat(MAX_RUN_TEXELS) * width))
+        let rounding = F32s::splat(map.t_last / 4_194_304.0) + F32s::splat(map.mesh_error) / caster_facing;
+        let tolerance = F32s::splat(map.tolerance_texels) * (width + run.least(F32s::splat(MAX_RUN_TEXELS) * width))
             + rounding * on_map.gain;
-        let receiver = BentReceiver {
+        BentReceiver {
             face: on_map.face,
             texel: on_map.texel,
             depth: t * on_map.gain,
@@ -277,8 +253,9 @@ impl RelitBent {
             tolerance,
             reach: tolerance.most(near.most(F32s::splat(STEPS_AROUND) * run)),
             far: on_map.far,
-        };
-        (receiver, width, grazes)
+            width,
+            grazes,
+        }
     }
 }
 
@@ -308,7 +285,9 @@ impl RelitBent {
         &self,
         scene: &CasterScene,
         surface: &ReceiverPoint,
-        ([t, v, w], back, pieces): ([f32; 3], f32, usize),
+        [t, v, w]: [f32; 3],
+        back: f32,
+        pieces: usize,
         faces_light: bool,
     ) -> bool {
         // Each piece's far end takes a lane, and the end of the path the next.
@@ -319,15 +298,15 @@ impl RelitBent {
         }
         let points = self.path_points(ends, F32s::splat(v), F32s::splat(w));
         let from_end = points - Vec3s::splat(points.lane(pieces).to_array());
-        let ways = self.world_vector(from_end) * F32s::splat(self.world_per_tube);
+        let offsets = self.world_from_tube.vector(from_end) * F32s::splat(self.world_per_tube);
         let end = surface.shadow_position();
         // Bent light may already have passed through the surface's own triangle.
-        if faces_light && nearby::crosses_own_triangle(scene, surface, end + ways.lane(0)) {
+        if faces_light && nearby::crosses_own_triangle(scene, surface, end + offsets.lane(0)) {
             return true;
         }
         let (mut before, mut own) = (end, Some(surface.triangle));
         for piece in 0..pieces {
-            let here = end + ways.lane(piece);
+            let here = end + offsets.lane(piece);
             if nearby::is_segment_occluded(scene, (before, here - before), own, surface.depth) {
                 return true;
             }
@@ -340,17 +319,17 @@ impl RelitBent {
 /// Returns the speed of the light path at (v, w) that relates the map's error along the light to t. On a wide cone it
 /// differs much from the speed at the center.
 #[inline(always)]
-fn map_speed(place: &BentMapParams, path: &PathFrame, v: F32s, w: F32s) -> F32s {
-    if place.slope.is_none() {
+fn map_speed(map: &BentMapParams, path: &PathFrame) -> F32s {
+    if map.slope.is_none() {
         return path.center_speed;
     }
-    length2([path.center_speed, path.radius_derivative * length2([v, w])])
+    length2([path.center_speed, path.radius_derivative * length2([path.v, path.w])])
 }
 
 /// Returns the distance in the scene, orthogonal to the path, that a step of (v, w) from one texel to the next covers.
 #[inline(always)]
-fn texel_width(place: &BentMapParams, texel: &MapTexel, (radius, path): (F32s, &PathFrame)) -> F32s {
-    if place.slope.is_none() {
+fn texel_width(map: &BentMapParams, texel: &MapTexel, radius: F32s, path: &PathFrame) -> F32s {
+    if map.slope.is_none() {
         return radius * length2(texel.right).most(length2(texel.down));
     }
     // Far from the axis of a wide cone, directions across the tube are almost along the path.

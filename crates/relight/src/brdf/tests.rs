@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::{F32s, SurfaceLanes, Vec3s, evaluate_brdf};
-use crate::lanes::{LANES, Masks, U32s};
+use crate::lanes::LANES;
 
 /// Largest relative error. Directions are unit to an ulp of 2^-24. The narrowness of the highlight, `tan^2 / alpha^2`,
 /// changes by `2 / alpha` times that. Alpha is at least 0.09 here, and the lobe falls with the square: some 60
@@ -33,8 +33,6 @@ enum Factor {
     Cosine,
 }
 
-const FACTORS: [Factor; 4] = [Factor::Distribution, Factor::Masking, Factor::Fresnel, Factor::Cosine];
-
 impl Case {
     /// Computes the diffuse and the specular lobe, the latter without the `dropped` factor of a deliberate fault.
     fn expected(&self, dropped: Option<Factor>) -> [DVec3; 2] {
@@ -54,9 +52,7 @@ impl Case {
         let of = |factor: Factor, value: f64| if dropped == Some(factor) { 1.0 } else { value };
         let color = if dropped == Some(Factor::Fresnel) { DVec3::ONE } else { fresnel };
         let mirrored = color
-            * (of(Factor::Distribution, distribution)
-                * of(Factor::Masking, masking)
-                * of(Factor::Cosine, cosine)
+            * (of(Factor::Distribution, distribution) * of(Factor::Masking, masking) * of(Factor::Cosine, cosine)
                 / (4.0 * n.dot(l) * n.dot(v)));
         [(1.0 - fresnel) * (1.0 - metallic) * base_color / PI * cosine, mirrored]
     }
@@ -92,17 +88,11 @@ fn in_lanes(cases: &[Case; LANES]) -> (SurfaceLanes, Vec3s) {
     };
     let numbers = |of: fn(&Case) -> f64| F32s(std::array::from_fn(|lane| of(&cases[lane]) as f32));
     let surface = SurfaceLanes {
-        exists: Masks([u32::MAX; LANES]),
-        position: Vec3s::splat([0.0; 3]),
-        depth: F32s::splat(1.0),
-        geometric_normal: vectors(|case| case.normal),
-        normal: vectors(|case| case.normal),
-        terminator_offset: F32s::splat(0.0),
-        triangle: U32s::splat(1),
         to_eye: vectors(|case| case.to_eye),
         base_color: vectors(|case| case.base_color),
         metallic: numbers(|case| case.metallic),
         roughness: numbers(|case| case.roughness),
+        ..SurfaceLanes::facing(vectors(|case| case.normal))
     };
     (surface, vectors(|case| case.to_light))
 }
@@ -115,9 +105,8 @@ fn off(dropped: Option<Factor>) -> usize {
         let lobes = evaluate_brdf(&surface, to_light);
         for (lane, case) in cases.iter().enumerate() {
             let found = [lobes.diffuse, lobes.specular].map(|lobe| lobe.lane(lane).as_dvec3());
-            let close = |(found, expected): (DVec3, DVec3)| {
-                (found - expected).abs().cmple(expected * TOLERANCE + 1e-9).all()
-            };
+            let close =
+                |(found, expected): (DVec3, DVec3)| (found - expected).abs().cmple(expected * TOLERANCE + 1e-9).all();
             off += usize::from(!found.into_iter().zip(case.expected(dropped)).all(close));
         }
     }
@@ -131,7 +120,7 @@ fn surfaces_reflect_what_the_formulas_say() {
 
 #[test]
 fn a_highlight_without_one_of_its_factors_is_seen() {
-    for factor in FACTORS {
+    for factor in [Factor::Distribution, Factor::Masking, Factor::Fresnel, Factor::Cosine] {
         let off = off(Some(factor));
         assert!(off > 1500, "without its {factor:?} a highlight is another in {off} of 1600 cases");
     }

@@ -67,16 +67,13 @@ impl SimdTask for OnSegment<'_> {
 #[inline(always)]
 fn at(tube: &Tube<F32s>, segment: usize, q: Vec3s, u: F32s) -> (Masks, [F32s; 8]) {
     let (inside, is_inside) = tube.inside_at(segment, q, u);
-    let root = tube.root_at(&inside);
-    let direction = tube.direction_at(&root);
-    let s = tube.path_length(&root);
-    (is_inside, [root.u, root.v_len, root.w_len, root.radius, direction.x, direction.y, direction.z, s])
+    (is_inside, numbers(tube, &tube.root_at(&inside)))
 }
 
-fn of_one(tube: &Tube<f32>, root: &TubeRoot<f32>) -> [f32; 8] {
-    let direction = tube.direction_at(root);
-    let s = tube.path_length(root);
-    [root.u, root.v_len, root.w_len, root.radius, direction.x, direction.y, direction.z, s]
+#[inline(always)]
+fn numbers<F: Lanes>(tube: &Tube<F>, root: &TubeRoot<F>) -> [F; 8] {
+    let [x, y, z] = F::coordinates(tube.direction_at(root));
+    [root.u, root.v_len, root.w_len, root.radius, x, y, z, tube.path_length(root)]
 }
 
 #[test]
@@ -93,18 +90,15 @@ fn sixteen_lanes_find_what_one_finds() {
                 let segment = &one.segments[(spread.next() * one.n as f32) as usize].curve;
                 let middle = segment.position(spread.next());
                 let beside = [0; 3].map(|_| (spread.next() - 0.5) * 1.2);
-                (q.x.0[i], q.y.0[i], q.z.0[i]) =
-                    (middle.x + beside[0], middle.y + beside[1], middle.z + beside[2]);
+                (q.x.0[i], q.y.0[i], q.z.0[i]) = (middle.x + beside[0], middle.y + beside[1], middle.z + beside[2]);
             }
-            let found: Vec<_> = (0..many.segments.len())
-                .map(|segment| simd::run(OnSegment { tube: &many, segment, q }))
-                .collect();
+            let found: Vec<_> =
+                (0..many.segments.len()).map(|segment| simd::run(OnSegment { tube: &many, segment, q })).collect();
             for i in 0..LANES {
                 one.for_each_root(q.lane(i), |root| {
                     let (has, values) = &found[root.segment];
-                    let expected = of_one(&one, &root).map(f32::to_bits);
-                    let same =
-                        (0..2).any(|k| has[k].lane(i) && values[k].map(|x| x.0[i].to_bits()) == expected);
+                    let expected = numbers(&one, &root).map(f32::to_bits);
+                    let same = (0..2).any(|k| has[k].lane(i) && values[k].map(|x| x.0[i].to_bits()) == expected);
                     assert!(same, "{root:?} is not what {found:?} have in lane {i}");
                     compared += 1;
                     // Deliberate fault that the check must detect: another lane's answer.
@@ -138,17 +132,13 @@ fn light_falls_off_as_it_does_in_double_precision() {
     for curve in [ProfileCurve::Smooth, ProfileCurve::Linear, ProfileCurve::Power, ProfileCurve::Cosine] {
         let tube = Tube::new(&light.clone().with(PROFILE, curve)).expect("the light is sound");
         for _ in 0..500 {
-            let places = [0; 3].map(|_| spread.next());
-            let many = simd::run(Shares(&tube.light_profile, places.map(F32s::splat)));
-            let [v, w, s] = places.map(f64::from);
+            let coords = [0; 3].map(|_| spread.next());
+            let many = simd::run(Shares(&tube.light_profile, coords.map(F32s::splat)));
+            let [v, w, s] = coords.map(f64::from);
             let one = tube.light_profile.attenuation_at(v, w, s);
             // f32 rounds (1 - share) / span, where span is about a fifth of the whole, and curves are at most three
             // times as steep.
-            assert!(
-                (f64::from(many.0[5]) - one).abs() < 1e-5,
-                "{curve:?} at {places:?}: {} for {one}",
-                many.0[5]
-            );
+            assert!((f64::from(many.0[5]) - one).abs() < 1e-5, "{curve:?} at {coords:?}: {} for {one}", many.0[5]);
         }
     }
 }

@@ -1,8 +1,4 @@
 //! Triangles with alpha tests. A texel whose alpha is below the test's cutoff is a hole, and stores nothing.
-#![expect(
-    clippy::inline_always,
-    reason = "what is not inlined is compiled without the vectors that the caller has"
-)]
 
 use glam::Vec3;
 
@@ -10,7 +6,7 @@ use super::clip::Polygon;
 use super::large::{LargeTriangle, Plane};
 use super::project::Projection;
 use super::rule::DepthTest;
-use super::wide::{Floats, LANES};
+use super::wide::{F32s, LANES};
 use super::{AlphaTestedTriangle, BAND, Band};
 use crate::alpha_test::AlphaTests;
 
@@ -44,13 +40,11 @@ impl AlphaTestedPiece {
 
     fn add(&mut self, triangle: &AlphaTestedTriangle, projection: &Projection) {
         let corners: [[f32; 7]; 3] = std::array::from_fn(|k| {
-            let ([x, y, w, value], [u, v, alpha]) =
-                (projection.clip(triangle.corners[k]), triangle.uv_alpha[k]);
+            let ([x, y, w, value], [u, v, alpha]) = (projection.clip(triangle.corners[k]), triangle.uv_alpha[k]);
             [x, y, w, value, u, v, alpha]
         });
         for corners in Polygon::clip(corners, projection.least_w, projection.guard).triangles() {
-            let over_w =
-                [4, 5, 6].map(|axis| corners.map(|corner| f64::from(corner[axis]) / f64::from(corner[2])));
+            let over_w = [4, 5, 6].map(|axis| corners.map(|corner| f64::from(corner[axis]) / f64::from(corner[2])));
             let on_face = corners.map(|[x, y, w, value, ..]| projection.corner([x, y, w, value]));
             let Some((large, over_w)) = LargeTriangle::with_planes(on_face, over_w, projection.side) else {
                 continue;
@@ -74,39 +68,37 @@ impl AlphaTestedPiece {
         &self,
         rule: R,
         tests: AlphaTests,
-        (index, triangle): (usize, usize),
+        index: usize,
+        triangle: usize,
         band: &mut Band,
     ) -> usize {
         let alpha_tested = &self.triangles[self.in_bands[index][triangle] as usize];
-        alpha_tested.draw(rule, tests, band);
-        alpha_tested.large.texels_in(band)
-    }
-}
-
-impl AlphaTestedLarge {
-    #[inline(always)]
-    fn draw<R: DepthTest>(&self, rule: R, tests: AlphaTests, band: &mut Band) {
-        let first = (self.large.rows[0] as usize).max(band.first);
-        let end = (self.large.rows[1] as usize + 1).min(band.end);
+        let large = &alpha_tested.large;
+        let texel_count = large.texels_in(band);
+        let first = (large.rows[0] as usize).max(band.first);
+        let end = (large.rows[1] as usize + 1).min(band.end);
         for row in first..end {
-            let Some(run) = self.large.run(row) else { continue };
+            let Some(run) = large.run(row) else { continue };
             let at = (row - band.first) * band.stride + run.first;
             let mut done = 0;
             while done < run.count {
-                let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return };
+                let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return texel_count };
                 let (covered, n, d) = run.lanes_from(done, band.lane_indices);
-                let stored = rule.updated_depths(covered, n, d, rule.row_factor(row), Floats(*texels));
+                let stored = rule.updated_depths(covered, n, d, rule.row_factor(row), F32s(*texels));
                 for (lane, texel) in texels.iter_mut().enumerate() {
                     // A texel that a nearer triangle hides needs no test.
-                    if stored.0[lane] != *texel && !self.is_hole(tests, run.first + done + lane, row) {
+                    if stored.0[lane] != *texel && !alpha_tested.is_hole(tests, run.first + done + lane, row) {
                         *texel = stored.0[lane];
                     }
                 }
                 done += LANES;
             }
         }
+        texel_count
     }
+}
 
+impl AlphaTestedLarge {
     /// True if the triangle has a hole at a texel's center.
     #[inline(always)]
     fn is_hole(&self, tests: AlphaTests, column: usize, row: usize) -> bool {

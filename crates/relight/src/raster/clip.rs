@@ -71,14 +71,9 @@ impl<const N: usize> Polygon<N> {
 }
 
 fn height<const N: usize>(corner: ClipCorner<N>, plane: [f64; 4]) -> f64 {
-    f64::from(corner[0]) * plane[0]
-        + f64::from(corner[1]) * plane[1]
-        + f64::from(corner[2]) * plane[2]
-        + plane[3]
+    f64::from(corner[0]) * plane[0] + f64::from(corner[1]) * plane[1] + f64::from(corner[2]) * plane[2] + plane[3]
 }
 
 fn between<const N: usize>(inside: ClipCorner<N>, outside: ClipCorner<N>, share: f64) -> ClipCorner<N> {
-    std::array::from_fn(|k| {
-        (f64::from(inside[k]) + share * (f64::from(outside[k]) - f64::from(inside[k]))) as f32
-    })
+    std::array::from_fn(|k| (f64::from(inside[k]) + share * (f64::from(outside[k]) - f64::from(inside[k]))) as f32)
 }

@@ -1,14 +1,10 @@
 //! Drawing of triangles of any size and of clipped ones: row by row, from the first covered texel to the last, which
 //! f64 computes exactly.
-#![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
-#![expect(
-    clippy::inline_always,
-    reason = "what is not inlined is compiled without the vectors that the caller has"
-)]
+#![expect(clippy::cast_possible_wrap, reason = "positions on a map are far below 2^31")]
 
 use super::Band;
 use super::rule::DepthTest;
-use super::wide::{Floats, Ints, LANES};
+use super::wide::{F32s, Ints, LANES};
 
 /// Corner of a triangle on a face.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +12,7 @@ pub(super) struct Corner {
     /// Offset to the right and down from the center of the first texel, in 1/256 of a texel; at most 2^22 in each
     /// direction.
     pub at: [i32; 2],
-    /// Value at the corner of N of [`DepthTest`]. The next field is D.
+    /// Value of N of [`DepthTest`] at the corner. The next field is D.
     pub n: f32,
     pub d: f32,
 }
@@ -40,7 +36,7 @@ pub(super) struct LargeTriangle {
 /// functions of the second and the third corner.
 pub(super) type Plane = [f64; 3];
 
-/// Covered texels of a triangle in one row, with N and D along them.
+/// Covered texels of a triangle in one row, with N and D of [`DepthTest`] along them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     /// First covered column. The next field is the number of columns.
@@ -60,7 +56,7 @@ impl LargeTriangle {
         Self::with_planes(corners, [], side).map(|(large, [])| large)
     }
 
-    /// Sets up a triangle, with planes of other numbers at its corners.
+    /// Sets up a triangle, and a plane for each list of `others`, which has a value per corner.
     pub fn with_planes<const N: usize>(
         corners: [Corner; 3],
         others: [[f64; 3]; N],
@@ -150,8 +146,8 @@ impl LargeTriangle {
         Some(Run {
             first: first as i32 as usize,
             count: (last - first) as i32 as usize + 1,
-            n: (n[0] + n[1] * one + n[2] * two) as f32,
-            d: (d[0] + d[1] * one + d[2] * two) as f32,
+            n: evaluate_plane(&n, one, two) as f32,
+            d: evaluate_plane(&d, one, two) as f32,
             n_step: (n[1] * self.a[1] + n[2] * self.a[2]) as f32,
             d_step: (d[1] * self.a[1] + d[2] * self.a[2]) as f32,
         })
@@ -161,12 +157,12 @@ impl LargeTriangle {
 impl Run {
     /// Returns the coverage of sixteen texels, from `done` texels after the first, and N and D there.
     #[inline(always)]
-    pub fn lanes_from(&self, done: usize, count: Ints) -> (Ints, Floats, Floats) {
+    pub fn lanes_from(&self, done: usize, count: Ints) -> (Ints, F32s, F32s) {
         let along = count + Ints::splat(done as i32);
         let covered = Ints::splat(self.count as i32 - 1) - along;
         let along = along.floats();
-        let n = along.times_plus(Floats::splat(self.n_step), Floats::splat(self.n));
-        let d = along.times_plus(Floats::splat(self.d_step), Floats::splat(self.d));
+        let n = along.times_plus(F32s::splat(self.n_step), F32s::splat(self.n));
+        let d = along.times_plus(F32s::splat(self.d_step), F32s::splat(self.d));
         (covered, n, d)
     }
 }
@@ -190,7 +186,7 @@ pub(super) fn draw<R: DepthTest>(rule: R, large: &LargeTriangle, band: &mut Band
         while done < run.count {
             let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return };
             let (covered, n, d) = run.lanes_from(done, band.lane_indices);
-            *texels = rule.updated_depths(covered, n, d, in_row, Floats(*texels)).0;
+            *texels = rule.updated_depths(covered, n, d, in_row, F32s(*texels)).0;
             done += LANES;
         }
     }

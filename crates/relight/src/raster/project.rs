@@ -1,14 +1,11 @@
 //! Projection of positions to texels of a face: of 16 corners at once, and of one alone, to the same bits.
-#![expect(
-    clippy::inline_always,
-    reason = "what is not inlined is compiled without the vectors that the caller has"
-)]
 
 use glam::Mat3;
+use light::Lanes;
 
 use super::clip::ClipCorner;
 use super::large::Corner;
-use super::wide::{Floats, Ints, LANES};
+use super::wide::{F32s, Ints, LANES};
 use super::{DepthRule, MapFace, RasterTriangle};
 
 /// Texels from the middle of a face to the end of the guard band, at which triangles are clipped.
@@ -67,8 +64,8 @@ impl Projection {
         let d = w.recip();
         let rounded = |ratio: f32| {
             let most = (GUARD_TEXELS + 0.5 * self.side as f32) * 256.0;
-            let place = ratio.mul_add(self.scale, self.shift).clamp(-most, most);
-            (place + ROUND).to_bits().cast_signed() - ROUND.to_bits().cast_signed()
+            let coordinate = ratio.mul_add(self.scale, self.shift).clamp(-most, most);
+            (coordinate + ROUND).to_bits().cast_signed() - ROUND.to_bits().cast_signed()
         };
         Corner { at: [rounded(x * d), rounded(-(y * d))], n: self.near.unwrap_or(value) * d, d }
     }
@@ -77,64 +74,64 @@ impl Projection {
 /// Corners of sixteen triangles, projected onto a face.
 #[derive(Clone, Copy)]
 pub(super) struct Corners {
-    pub clip: [Floats; 4],
+    pub clip: [F32s; 4],
     pub at: [Ints; 2],
-    pub n: Floats,
-    pub d: Floats,
+    pub n: F32s,
+    pub d: F32s,
 }
 
 /// Transposes triangles into X, Y, Z and the value of each corner. It is not inlined, because compilers make slower
 /// code of it among other code.
 #[inline(never)]
-pub(super) fn transpose_corners(group: &[RasterTriangle; LANES]) -> [[Floats; 4]; 3] {
-    let mut places = [[Floats::ZERO; 4]; 3];
+pub(super) fn transpose_corners(group: &[RasterTriangle; LANES]) -> [[F32s; 4]; 3] {
+    let mut transposed = [[F32s::ZERO; 4]; 3];
     for (lane, triangle) in group.iter().enumerate() {
         for corner in 0..3 {
             for axis in 0..4 {
-                places[corner][axis].0[lane] = triangle[corner][axis];
+                transposed[corner][axis].0[lane] = triangle[corner][axis];
             }
         }
     }
-    places
+    transposed
 }
 
 /// Projects one corner of sixteen triangles.
 #[inline(always)]
-pub(super) fn project(place: &[Floats; 4], projection: &Projection) -> Corners {
+pub(super) fn project(position: &[F32s; 4], projection: &Projection) -> Corners {
     let matrix = projection.clip_from_map;
     let clip = [
-        clip_axis(place, matrix.x_axis.x, matrix.y_axis.x, matrix.z_axis.x),
-        clip_axis(place, matrix.x_axis.y, matrix.y_axis.y, matrix.z_axis.y),
-        clip_axis(place, matrix.x_axis.z, matrix.y_axis.z, matrix.z_axis.z),
-        place[3],
+        clip_axis(position, matrix.x_axis.x, matrix.y_axis.x, matrix.z_axis.x),
+        clip_axis(position, matrix.x_axis.y, matrix.y_axis.y, matrix.z_axis.y),
+        clip_axis(position, matrix.x_axis.z, matrix.y_axis.z, matrix.z_axis.z),
+        position[3],
     ];
-    let d = Floats::splat(1.0) / clip[2];
-    let (scale, shift) = (Floats::splat(projection.scale), Floats::splat(projection.shift));
+    let d = F32s::splat(1.0) / clip[2];
+    let (scale, shift) = (F32s::splat(projection.scale), F32s::splat(projection.shift));
     let right = (clip[0] * d).times_plus(scale, shift);
-    let down = (clip[1] * d).times_plus(Floats::splat(-projection.scale), shift);
+    let down = (clip[1] * d).times_plus(F32s::splat(-projection.scale), shift);
     let at = [rounded(right), rounded(down)];
     let n = match projection.near {
-        Some(near) => Floats::splat(near) * d,
-        None => place[3] * d,
+        Some(near) => F32s::splat(near) * d,
+        None => position[3] * d,
     };
     Corners { clip, at, n, d }
 }
 
 #[inline(always)]
-fn clip_axis(place: &[Floats; 4], x: f32, y: f32, z: f32) -> Floats {
-    let yz = place[1].times_plus(Floats::splat(y), place[2] * Floats::splat(z));
-    place[0].times_plus(Floats::splat(x), yz)
+fn clip_axis(position: &[F32s; 4], x: f32, y: f32, z: f32) -> F32s {
+    let yz = position[1].times_plus(F32s::splat(y), position[2] * F32s::splat(z));
+    position[0].times_plus(F32s::splat(x), yz)
 }
 
 #[inline(always)]
-fn rounded(x: Floats) -> Ints {
-    (x + Floats::splat(ROUND)).bits() - Ints::splat(ROUND.to_bits().cast_signed())
+fn rounded(x: F32s) -> Ints {
+    (x + F32s::splat(ROUND)).bits() - Ints::splat(ROUND.to_bits().cast_signed())
 }
 
 /// Returns a condition that holds in lanes whose corners need no clipping.
 #[inline(always)]
 pub(super) fn is_inside(corners: &Corners, projection: &Projection) -> Ints {
     let [x, y, w, _] = corners.clip;
-    let reach = w * Floats::splat(projection.guard);
-    Floats::splat(projection.least_w).at_most(w) | x.absolute().at_most(reach) | y.absolute().at_most(reach)
+    let reach = w * F32s::splat(projection.guard);
+    F32s::splat(projection.least_w).at_most(w) | x.abs().at_most(reach) | y.abs().at_most(reach)
 }

@@ -1,10 +1,6 @@
 //! Depth rules: the depth that a texel stores, and the comparison by which one of two wins.
-#![expect(
-    clippy::inline_always,
-    reason = "what is not inlined is compiled without the vectors that the caller has"
-)]
 
-use super::wide::{Floats, Ints};
+use super::wide::{F32s, Ints};
 
 /// One of [`super::DepthRule`], in the form of the innermost loops.
 ///
@@ -15,10 +11,13 @@ pub(super) trait DepthTest: Copy + Send + Sync {
     const CLEARED: f32;
 
     /// Factor by which D is multiplied in a row of texels.
-    fn row_factor(self, row: usize) -> f32;
+    #[inline(always)]
+    fn row_factor(self, _row: usize) -> f32 {
+        1.0
+    }
 
     /// Computes the new depths of texels that stored `old`, after a triangle that covers the lanes of `covered`.
-    fn updated_depths(self, covered: Ints, n: Floats, d: Floats, in_row: f32, old: Floats) -> Floats;
+    fn updated_depths(self, covered: Ints, n: F32s, d: F32s, in_row: f32, old: F32s) -> F32s;
 }
 
 /// N is value / w. The least N / (D * row divisor) wins.
@@ -44,8 +43,8 @@ impl DepthTest for BentDepthTest<'_> {
     }
 
     #[inline(always)]
-    fn updated_depths(self, covered: Ints, n: Floats, d: Floats, in_row: f32, old: Floats) -> Floats {
-        let depth = (n / (d * Floats::splat(in_row))).greater(Floats::splat(0.0));
+    fn updated_depths(self, covered: Ints, n: F32s, d: F32s, in_row: f32, old: F32s) -> F32s {
+        let depth = (n / (d * F32s::splat(in_row))).greater(F32s::ZERO);
         covered.select_floats(depth, old).lesser(old)
     }
 }
@@ -54,14 +53,9 @@ impl DepthTest for PerspectiveDepthTest {
     const CLEARED: f32 = 0.0;
 
     #[inline(always)]
-    fn row_factor(self, _row: usize) -> f32 {
-        1.0
-    }
-
-    #[inline(always)]
-    fn updated_depths(self, covered: Ints, n: Floats, _d: Floats, _in_row: f32, old: Floats) -> Floats {
+    fn updated_depths(self, covered: Ints, n: F32s, _d: F32s, _in_row: f32, old: F32s) -> F32s {
         // With rounding, near / near may be more than 1.
-        covered.select_floats(n.lesser(Floats::splat(1.0)), old).greater(old)
+        covered.select_floats(n.lesser(F32s::splat(1.0)), old).greater(old)
     }
 }
 
@@ -69,13 +63,8 @@ impl DepthTest for OrthographicDepthTest {
     const CLEARED: f32 = 0.0;
 
     #[inline(always)]
-    fn row_factor(self, _row: usize) -> f32 {
-        1.0
-    }
-
-    #[inline(always)]
-    fn updated_depths(self, covered: Ints, n: Floats, _d: Floats, _in_row: f32, old: Floats) -> Floats {
-        let covered = covered | n.at_most(Floats::splat(1.0));
+    fn updated_depths(self, covered: Ints, n: F32s, _d: F32s, _in_row: f32, old: F32s) -> F32s {
+        let covered = covered | n.at_most(F32s::splat(1.0));
         covered.select_floats(n, old).greater(old)
     }
 }

@@ -1,9 +1,5 @@
 //! Set-up of triangles: finds their position on a face, and lists them by bands of its rows.
-#![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
-#![expect(
-    clippy::inline_always,
-    reason = "what is not inlined is compiled without the vectors that the caller has"
-)]
+#![expect(clippy::cast_possible_wrap, reason = "positions on a map are far below 2^31")]
 
 use pulp::{Simd, WithSimd};
 
@@ -11,7 +7,7 @@ use super::clip::{ClipCorner, Polygon};
 use super::large::{Corner, LargeTriangle};
 use super::project::{Corners, Projection, is_inside, project, transpose_corners};
 use super::small::{MAX_SMALL_TEXELS, SmallTriangle};
-use super::wide::{Floats, Ints, LANE_INDICES, LANES};
+use super::wide::{F32s, Ints, LANE_INDICES, LANES};
 use super::{BAND, RasterTriangle};
 
 /// Piece of a face's opaque triangles after set-up, sorted by the bands that they touch.
@@ -87,21 +83,15 @@ impl OpaquePiece {
 #[inline(always)]
 fn span(p: Ints, q: Ints, r: Ints, side: usize) -> ([Ints; 2], Ints) {
     let [least, most] = [p.least(q).least(r), p.greatest(q).greatest(r)];
-    let first = (least + Ints::splat(255)).shifted_down(8).greatest(Ints::splat(0));
-    let last = most.shifted_down(8).least(Ints::splat(side as i32 - 1));
+    let first = (least + Ints::splat(255)).whole_texels().greatest(Ints::splat(0));
+    let last = most.whole_texels().least(Ints::splat(side as i32 - 1));
     ([first, last], Ints::splat(256 * MAX_SMALL_TEXELS) - (most - least))
 }
 
 #[inline(always)]
-fn set_up_group(
-    piece: &mut OpaquePiece,
-    group: &[RasterTriangle; LANES],
-    count: usize,
-    projection: &Projection,
-) {
-    let places = transpose_corners(group);
-    let corners =
-        [project(&places[0], projection), project(&places[1], projection), project(&places[2], projection)];
+fn set_up_group(piece: &mut OpaquePiece, group: &[RasterTriangle; LANES], count: usize, projection: &Projection) {
+    let [a, b, c] = transpose_corners(group);
+    let corners = [project(&a, projection), project(&b, projection), project(&c, projection)];
     let is_whole = is_inside(&corners[0], projection)
         | is_inside(&corners[1], projection)
         | is_inside(&corners[2], projection)
@@ -137,11 +127,7 @@ fn set_up_group(
 /// Sets up sixteen triangles as small ones. `columns` and `rows` are the first and last texel centers in their bounding
 /// boxes. Also returns a condition that holds in lanes whose triangle may cover a texel.
 #[inline(always)]
-fn small_ones(
-    corners: &[Corners; 3],
-    columns: [Ints; 2],
-    rows: [Ints; 2],
-) -> (SmallTriangle<Ints, Floats>, Ints) {
+fn small_ones(corners: &[Corners; 3], columns: [Ints; 2], rows: [Ints; 2]) -> (SmallTriangle<Ints, F32s>, Ints) {
     let [p, q, r] = [corners[0].at, corners[1].at, corners[2].at];
     let area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
     let origin = [columns[0] * Ints::splat(256), rows[0] * Ints::splat(256)];
@@ -149,7 +135,7 @@ fn small_ones(
     let second = edges(r, p, area, origin);
     let third = edges(p, q, area, origin);
     let area = area.select(area, -area);
-    let per_area = Floats::splat(1.0) / area.floats();
+    let per_area = F32s::splat(1.0) / area.floats();
     let rests = [second.rest, third.rest];
     let smalls = SmallTriangle {
         columns,
@@ -173,7 +159,7 @@ struct Edges {
     e: Ints,
     a: Ints,
     b: Ints,
-    rest: Floats,
+    rest: F32s,
 }
 
 /// Sets up the edge functions of the edges between two corners. `area` is the doubled signed area of each triangle.
@@ -186,14 +172,14 @@ fn edges(from: [Ints; 2], to: [Ints; 2], area: Ints, origin: [Ints; 2]) -> Edges
     let is_flat = a | -a;
     let uncovered = is_flat.select(Ints::splat(1) - b, Ints::splat(1) - a);
     let uncovered = (-uncovered).select(Ints::ZERO, Ints::splat(1));
-    let e = (start - uncovered).shifted_down(8);
+    let e = (start - uncovered).whole_texels();
     Edges { e, a, b, rest: (start - e * Ints::splat(256)).floats() }
 }
 
 /// Makes the coefficients of N or D of a `SmallTriangle` from its values at the three corners.
 #[inline(always)]
-fn plane(x: Floats, second: Floats, third: Floats, per_area: Floats, rests: [Floats; 2]) -> [Floats; 3] {
+fn plane(x: F32s, second: F32s, third: F32s, per_area: F32s, rests: [F32s; 2]) -> [F32s; 3] {
     let (one, two) = ((second - x) * per_area, (third - x) * per_area);
     let start = rests[1].times_plus(two, rests[0].times_plus(one, x));
-    [start, one * Floats::splat(256.0), two * Floats::splat(256.0)]
+    [start, one * F32s::splat(256.0), two * F32s::splat(256.0)]
 }

@@ -1,20 +1,16 @@
 //! Drawing of triangles of at most [`MAX_SMALL_TEXELS`] texels in each direction, which most are: in integers of 32
 //! bits, 16 texels of a row at a time.
-#![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
-#![expect(
-    clippy::inline_always,
-    reason = "what is not inlined is compiled without the vectors that the caller has"
-)]
+#![expect(clippy::cast_possible_wrap, reason = "positions on a map are far below 2^31")]
 
 use super::Band;
 use super::rule::DepthTest;
-use super::wide::{Floats, Ints, LANES};
+use super::wide::{F32s, Ints, LANES};
 
 /// Largest distance between corners, in texels. In 1/256 of a texel, twice the product of two such distances fits into
 /// 32 bits, and 1/256 of that is exact in f32.
 pub(super) const MAX_SMALL_TEXELS: i32 = 112;
 
-/// Triangle, or 16 triangles with `Ints` and `Floats` as its numbers.
+/// Triangle, or 16 triangles with `Ints` and `F32s` as its numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SmallTriangle<Int = i32, Float = f32> {
     /// First and last column and row of the texels whose centers may be covered.
@@ -30,7 +26,7 @@ pub(super) struct SmallTriangle<Int = i32, Float = f32> {
     pub d: [Float; 3],
 }
 
-impl SmallTriangle<Ints, Floats> {
+impl SmallTriangle<Ints, F32s> {
     /// Returns the triangle in one lane.
     #[inline(always)]
     pub fn lane(&self, k: usize) -> SmallTriangle {
@@ -55,8 +51,8 @@ pub(super) fn draw<R: DepthTest>(rule: R, small: &SmallTriangle, band: &mut Band
     let first = top.max(band.first);
     let end = (small.rows[1] as usize + 1).min(band.end);
     let down = (first - top) as i32;
-    let n = [Floats::splat(small.n[0]), Floats::splat(small.n[1]), Floats::splat(small.n[2])];
-    let d = [Floats::splat(small.d[0]), Floats::splat(small.d[1]), Floats::splat(small.d[2])];
+    let n = [F32s::splat(small.n[0]), F32s::splat(small.n[1]), F32s::splat(small.n[2])];
+    let d = [F32s::splat(small.d[0]), F32s::splat(small.d[1]), F32s::splat(small.d[2])];
     let first_edge = Edge::new(small, 0, down);
     let second_edge = Edge::new(small, 1, down);
     let third_edge = Edge::new(small, 2, down);
@@ -81,7 +77,7 @@ pub(super) fn draw<R: DepthTest>(rule: R, small: &SmallTriangle, band: &mut Band
             let (one, two) = (second_e.floats(), third_e.floats());
             let n = two.times_plus(n[2], one.times_plus(n[1], n[0]));
             let d = two.times_plus(d[2], one.times_plus(d[1], d[0]));
-            *texels = rule.updated_depths(covered, n, d, rule.row_factor(row), Floats(*texels)).0;
+            *texels = rule.updated_depths(covered, n, d, rule.row_factor(row), F32s(*texels)).0;
             first_e = first_e + Ints::splat(first_edge.b);
             second_e = second_e + Ints::splat(second_edge.b);
             third_e = third_e + Ints::splat(third_edge.b);

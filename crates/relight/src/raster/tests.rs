@@ -1,5 +1,5 @@
 //! Maps against triangles drawn slowly and exactly.
-#![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
+#![expect(clippy::cast_possible_wrap, reason = "positions on a map are far below 2^31")]
 
 mod coverage;
 mod cut;
@@ -12,8 +12,9 @@ use std::sync::OnceLock;
 
 use glam::Mat3;
 
-use super::{DepthRule, MapFace, RasterMemory, RasterTriangle, draw_face};
-use crate::Workers;
+use super::{AlphaTestedTriangle, AlphaTestedTriangles, DepthRule, MapFace, RasterMemory, RasterTriangle, draw_face};
+use crate::depth_map::stride;
+use crate::{AlphaTests, Workers};
 
 /// Depth rule of a bent light, on a face whose depths are the values themselves.
 const PLAIN: DepthRule = DepthRule::Bent { row_divisor: [1.0, 0.0], depth_per_value: 1.0 };
@@ -51,14 +52,29 @@ fn flat(corners: [[i32; 2]; 3], side: usize) -> RasterTriangle {
     corners.map(|at| corner(at, 1.0, 0.5, side))
 }
 
+const NO_ALPHA_TESTED: AlphaTestedTriangles<&[AlphaTestedTriangle]> =
+    AlphaTestedTriangles { chunks: &[], tests: AlphaTests { tests: &[], texels: &[] } };
+
+/// Draws a face, and returns its rows without the unused room behind each.
+fn drawn_face<Chunk: AsRef<[RasterTriangle]> + Sync>(
+    face: &MapFace,
+    chunks: &[Chunk],
+    alpha_tested: &AlphaTestedTriangles<&[AlphaTestedTriangle]>,
+    workers: &Workers,
+    scratch: &mut RasterMemory,
+    side: usize,
+) -> Vec<f32> {
+    let mut texels = vec![f32::NAN; side * stride(side)];
+    draw_face(face, chunks, alpha_tested, workers, scratch, &mut texels, side).expect("not cancelled");
+    texels.chunks(stride(side)).flat_map(|row| &row[..side]).copied().collect()
+}
+
 /// Draws a map of triangles whose positions are clip coordinates.
 fn drawn(triangles: &[RasterTriangle], depths: DepthRule, side: usize) -> Vec<f32> {
     static WORKERS: OnceLock<Workers> = OnceLock::new();
-    let mut texels = vec![f32::NAN; side * side];
     let face = MapFace { clip_from_map: Mat3::IDENTITY, depths };
     let workers = WORKERS.get_or_init(|| Workers::with_threads(2));
-    draw_face(&face, &[triangles], workers, &mut RasterMemory::default(), &mut texels, side);
-    texels
+    drawn_face(&face, &[triangles], &NO_ALPHA_TESTED, workers, &mut RasterMemory::default(), side)
 }
 
 /// Counts for each texel the triangles that cover it, each drawn alone.
@@ -66,9 +82,7 @@ fn counts(triangles: &[RasterTriangle], depths: DepthRule, side: usize) -> Vec<u
     let cleared = drawn(&[], depths, side);
     let mut counts = vec![0; side * side];
     for triangle in triangles {
-        for (count, (depth, cleared)) in
-            counts.iter_mut().zip(drawn(&[*triangle], depths, side).iter().zip(&cleared))
-        {
+        for (count, (depth, cleared)) in counts.iter_mut().zip(drawn(&[*triangle], depths, side).iter().zip(&cleared)) {
             *count += usize::from(depth != cleared);
         }
     }

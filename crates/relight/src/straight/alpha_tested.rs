@@ -15,18 +15,18 @@ const TRIANGLES_PER_CHUNK: usize = 1024;
 /// Lists the triangles that a face may show, and discards the former list.
 pub(super) fn list_triangles(
     workers: &Workers,
-    (map, face): (&StraightMap, &StraightFace),
+    map: &StraightMap,
+    face: &StraightFace,
     casters: &AlphaTestedCasters,
     into: &mut Vec<Vec<AlphaTestedTriangle>>,
 ) {
-    let turns: Vec<(Range<u32>, u32)> = casters.runs.iter().flat_map(turns).collect();
-    into.resize_with(turns.len(), Vec::new);
+    let chunks: Vec<_> = casters.runs.iter().flat_map(chunks).collect();
+    into.resize_with(chunks.len(), Vec::new);
     workers.run(|| {
-        into.par_iter_mut().zip(turns).for_each(|(listed, (triangles, test))| {
+        into.par_iter_mut().zip(chunks).for_each(|(listed, AlphaTestedRun { triangles, test })| {
             listed.clear();
             for triangle in triangles {
-                let corners =
-                    casters.scene.corners(triangle).map(|corner| map.map_position(corner.to_array()));
+                let corners = casters.scene.corners(triangle).map(|corner| map.map_position(corner.to_array()));
                 if !is_outside_face(face, &corners) {
                     let uv_alpha = casters.scene.uv_alpha(triangle).map(|corner| corner.to_array());
                     listed.push(AlphaTestedTriangle { corners, uv_alpha, test });
@@ -36,12 +36,11 @@ pub(super) fn list_triangles(
     });
 }
 
-/// Splits a run into chunks, with its test.
-fn turns(AlphaTestedRun { triangles, test }: &AlphaTestedRun) -> impl Iterator<Item = (Range<u32>, u32)> {
-    let (Range { start, end }, test) = (triangles.clone(), *test);
-    (start..end)
-        .step_by(TRIANGLES_PER_CHUNK)
-        .map(move |first| (first..end.min(first + TRIANGLES_PER_CHUNK as u32), test))
+/// Splits a run into chunks.
+fn chunks(run: &AlphaTestedRun) -> impl Iterator<Item = AlphaTestedRun> {
+    let AlphaTestedRun { triangles: Range { start, end }, test } = run.clone();
+    let last = move |first: u32| end.min(first + TRIANGLES_PER_CHUNK as u32);
+    (start..end).step_by(TRIANGLES_PER_CHUNK).map(move |first| AlphaTestedRun { triangles: first..last(first), test })
 }
 
 /// True if a triangle lies beyond one of the sides of a face.

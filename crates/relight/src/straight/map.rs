@@ -5,11 +5,10 @@ use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 
 use super::alpha_tested;
-use super::casters::{AlphaTestedCasters, StraightFace, StraightMap};
+use super::casters::{AlphaTestedCasters, OpaqueCasters, StraightFace, StraightMap};
 use crate::depth_map::DepthMap;
 use crate::raster::{
-    AlphaTestedTriangle, AlphaTestedTriangles, DepthRule, MapFace, RasterMemory, RasterTriangle,
-    draw_face_with_alpha_tests,
+    AlphaTestedTriangle, AlphaTestedTriangles, DepthRule, MapFace, RasterMemory, RasterTriangle, draw_face,
 };
 use crate::simd::{self, SimdTask};
 use crate::{Cancelled, Workers};
@@ -33,17 +32,16 @@ pub struct StraightMapBuilder {
 }
 
 impl StraightMapBuilder {
-    /// Draws all faces. `positions` are in scene space, in blocks of 64; `blocks` are those that leaves use. `indices`
-    /// are three per triangle.
+    /// Draws all faces.
     pub fn draw(
         &mut self,
         workers: &Workers,
         map: &StraightMap,
-        (positions, blocks, indices): (&[[f32; 3]], &[u32], &[u32]),
+        opaque: &OpaqueCasters,
         alpha_tested: &AlphaTestedCasters,
         into: &mut DepthMap,
     ) -> Result<(), Cancelled> {
-        self.map_vertices(workers, map, (positions, blocks));
+        self.map_vertices(workers, map, opaque);
         let side = into.side();
         let depths = map.near.map_or(DepthRule::Orthographic, |near| DepthRule::Perspective { near });
         for (index, face) in map.faces.iter().enumerate() {
@@ -52,44 +50,38 @@ impl StraightMapBuilder {
                 workers.run(|| texels.par_chunks_mut(side).for_each(|some| some.fill(0.0)));
                 continue;
             }
-            let Self { map_positions: places, listed, alpha_tested: listed_alpha_tested, scratch } = self;
-            let snap = snap(face, side);
-            let turns = face.leaves.len().div_ceil(LEAVES_PER_CHUNK);
-            listed.resize_with(turns, Vec::new);
+            let Self { map_positions, listed, alpha_tested: listed_alpha_tested, scratch } = self;
+            let (near, indices, snap) = (map.near, opaque.indices, snap(face, side));
+            listed.resize_with(face.leaves.len().div_ceil(LEAVES_PER_CHUNK), Vec::new);
             workers.run(|| {
-                let turns = listed.par_iter_mut().zip(face.leaves.par_chunks(LEAVES_PER_CHUNK));
-                turns.for_each(|(listed, leaves)| {
+                let chunks = listed.par_iter_mut().zip(face.leaves.par_chunks(LEAVES_PER_CHUNK));
+                chunks.for_each(|(listed, leaves)| {
                     listed.clear();
-                    simd::run(List { near: map.near, snap, map_positions: places, indices, leaves, listed });
+                    simd::run(List { near, snap, map_positions, indices, leaves, listed });
                 });
             });
-            alpha_tested::list_triangles(workers, (map, face), alpha_tested, listed_alpha_tested);
+            alpha_tested::list_triangles(workers, map, face, alpha_tested, listed_alpha_tested);
             let drawn = MapFace { clip_from_map: face.clip_from_map, depths };
             let with_holes = AlphaTestedTriangles { chunks: listed_alpha_tested, tests: alpha_tested.tests };
-            draw_face_with_alpha_tests(&drawn, listed, &with_holes, workers, scratch, texels, side)?;
+            draw_face(&drawn, listed, &with_holes, workers, scratch, texels, side)?;
         }
         Ok(())
     }
 
     /// Maps each vertex near the light.
-    fn map_vertices(
-        &mut self,
-        workers: &Workers,
-        map: &StraightMap,
-        (positions, blocks): (&[[f32; 3]], &[u32]),
-    ) {
-        let places = &mut self.map_positions;
-        places.resize(positions.len(), [0.0; 4]);
+    fn map_vertices(&mut self, workers: &Workers, map: &StraightMap, opaque: &OpaqueCasters) {
+        let OpaqueCasters { positions, blocks, .. } = *opaque;
+        self.map_positions.resize(positions.len(), [0.0; 4]);
         let mut is_near = vec![false; positions.len().div_ceil(VERTICES_PER_BLOCK)];
         for &block in blocks {
             is_near[block as usize] = true;
         }
         workers.run(|| {
-            let blocks =
-                places.par_chunks_mut(VERTICES_PER_BLOCK).zip(positions.par_chunks(VERTICES_PER_BLOCK));
-            blocks.zip(&is_near).filter(|(_, is_near)| **is_near).for_each(|((places, positions), _)| {
-                for (place, position) in places.iter_mut().zip(positions) {
-                    *place = map.map_position(*position);
+            let mapped = self.map_positions.par_chunks_mut(VERTICES_PER_BLOCK);
+            let blocks = mapped.zip(positions.par_chunks(VERTICES_PER_BLOCK)).zip(&is_near);
+            blocks.filter(|(_, is_near)| **is_near).for_each(|((mapped, positions), _)| {
+                for (mapped, position) in mapped.iter_mut().zip(positions) {
+                    *mapped = map.map_position(*position);
                 }
             });
         });
@@ -106,8 +98,8 @@ impl StraightMap<'_> {
 
 /// Returns the largest shift of a corner by rasterization on a face: as a slope, or for parallel rays in world units.
 fn snap(face: &StraightFace, side: usize) -> f32 {
-    let place_from_clip = face.clip_from_map.inverse();
-    let half = place_from_clip.x_axis.length_squared().max(place_from_clip.y_axis.length_squared()).sqrt();
+    let map_from_clip = face.clip_from_map.inverse();
+    let half = map_from_clip.x_axis.length_squared().max(map_from_clip.y_axis.length_squared()).sqrt();
     half * 2.0 / side as f32 * SNAP_TEXELS
 }
 
@@ -126,20 +118,23 @@ impl SimdTask for List<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { near, snap, map_positions: places, indices, leaves, listed } = self;
+        let Self { near, snap, map_positions, indices, leaves, listed } = self;
         // Seen along the light, the triangles of a closed surface that face it wind one way about a source, and the
         // other way about the direction of parallel rays.
         let turned = if near.is_some() { 1.0 } else { -1.0 };
         let (slack, rounding) =
             if near.is_some() { (snap.max(POSITION_ROUNDING), 0.0) } else { (snap, POSITION_ROUNDING) };
-        for &[first, count_and_shell] in leaves {
-            let (count, shell) = ((count_and_shell & 0xffff) as usize, count_and_shell >> 16);
+        for &[first, count_and_kind] in leaves {
+            let (count, kind) = ((count_and_kind & 0xffff) as usize, count_and_kind >> 16);
             let corners = &indices[3 * first as usize..][..3 * count];
-            let sign = if shell == 2 { -turned } else { turned };
+            let sign = if kind == 2 { -turned } else { turned };
             for corners in corners.as_chunks::<3>().0 {
-                let triangle =
-                    [places[corners[0] as usize], places[corners[1] as usize], places[corners[2] as usize]];
-                if shell == 0 || !faces_away(&triangle, sign, [slack, rounding]) {
+                let triangle = [
+                    map_positions[corners[0] as usize],
+                    map_positions[corners[1] as usize],
+                    map_positions[corners[2] as usize],
+                ];
+                if kind == 0 || !faces_away(&triangle, sign, slack, rounding) {
                     listed.push(triangle);
                 }
             }
@@ -149,7 +144,7 @@ impl SimdTask for List<'_> {
 
 /// True if light meets the back of a triangle, and does so by more than shifts of the triangle's corners could change.
 #[inline(always)]
-fn faces_away(triangle: &RasterTriangle, sign: f32, [slack, rounding]: [f32; 2]) -> bool {
+fn faces_away(triangle: &RasterTriangle, sign: f32, slack: f32, rounding: f32) -> bool {
     let [a, b, c] = [xyz(&triangle[0]), xyz(&triangle[1]), xyz(&triangle[2])];
     let (ab, ac, bc) = (b - a, c - a, c - b);
     // Six times the volume that the triangle makes with the source; for parallel rays twice its area across the light.

@@ -6,66 +6,24 @@ mod casters;
 mod directional;
 mod map;
 mod omni;
+mod receiver;
 mod spot;
 
-use glam::Mat4;
-use light::{Lanes, LightProfile, Mask};
+use light::Lanes;
 
 use crate::lanes::{F32s, Masks, Vec3s};
-use crate::shape::LightSampleLanes;
 
-pub use casters::{AlphaTestedCasters, AlphaTestedRun, StraightFace, StraightMap};
+pub use casters::{AlphaTestedCasters, AlphaTestedRun, OpaqueCasters, StraightFace, StraightMap};
 pub use directional::{DirectionalMapParams, RelitDirectional};
 pub use map::StraightMapBuilder;
 pub use omni::{OmniMapParams, RelitOmni};
 pub use spot::{RelitSpot, SpotMapParams};
 
-/// Run of the receiver's plane, in texel widths, above which light counts as grazing, and ray tests against the scene
-/// decide where the map cannot. The run is the distance along the light by which the plane changes from one texel to
-/// the next.
-const GRAZING_TEXELS: f32 = 1.0;
 /// Distance along the light, in texel widths, up to which the receiver's plane is followed. Beyond it the plane is
 /// followed only as far as the texels around the receiver need.
 const REACH_TEXELS: f32 = 48.0;
 /// Rounding error of depths that are linear across a triangle: some ulps of the largest depth of a map, 1.
 const DEPTH_ROUNDING: f32 = 1.0 / 4_194_304.0;
-/// Largest attenuation factor that stays finite through the BRDF. At the source itself the factor would be infinite.
-const MAX_SHARE: f32 = 1e15;
-
-/// Transform from scene space to light space: the scene's axes rotated, about the light or the scene's origin.
-#[derive(Clone, Copy, Debug)]
-struct LightFrame {
-    columns: [Vec3s; 3],
-    shift: Vec3s,
-}
-
-impl LightFrame {
-    fn new(light_from_scene: Mat4) -> Self {
-        let [a, b, c, shift] =
-            light_from_scene.to_cols_array_2d().map(|[x, y, z, _]| Vec3s::splat([x, y, z]));
-        Self { columns: [a, b, c], shift }
-    }
-
-    #[inline(always)]
-    fn position(&self, p: Vec3s) -> Vec3s {
-        self.vector(p) + self.shift
-    }
-
-    #[inline(always)]
-    fn vector(&self, v: Vec3s) -> Vec3s {
-        self.columns[0] * v.x + self.columns[1] * v.y + self.columns[2] * v.z
-    }
-
-    /// Rotates a vector in light space to the scene's axes.
-    #[inline(always)]
-    fn scene_vector(&self, v: Vec3s) -> Vec3s {
-        Vec3s {
-            x: F32s::dot(self.columns[0], v),
-            y: F32s::dot(self.columns[1], v),
-            z: F32s::dot(self.columns[2], v),
-        }
-    }
-}
 
 /// Coordinates of surfaces in a light.
 #[derive(Clone, Copy, Debug)]
@@ -79,23 +37,6 @@ struct Located {
     to_light: Vec3s,
 }
 
-impl Located {
-    /// Computes direction, irradiance and visibility of a light with this profile at the surfaces.
-    #[inline(always)]
-    fn sample(&self, filter: &LightProfile, visibility: F32s) -> LightSampleLanes {
-        let most = F32s::splat(MAX_SHARE);
-        let share = filter.attenuation_at(self.v, self.w, self.s);
-        // At the source the attenuation would be infinite.
-        let share = F32s::select(share.le(most), share, most);
-        LightSampleLanes {
-            inside: self.inside,
-            direction: self.to_light,
-            irradiance: Vec3s { x: share, y: share, z: share },
-            visibility,
-        }
-    }
-}
-
 /// Returns the distance by which a neighbouring facet may rise out of the receiver's plane without counting as an
 /// occluder: the rise of a facet that is tilted by 0.25 rad, which is a quarter of a texel's `width`, and more where
 /// light grazes. `cosine`, with either sign, is the cosine of the angle between the light and the plane's normal.
@@ -107,13 +48,13 @@ fn rise_of_facets(width: F32s, cosine: F32s) -> F32s {
 /// Returns the relative error of 1 / depth that arises because the receiver's own caster may deviate by `error` from
 /// the surface.
 ///
-/// The source is `height` over the receiver's plane and `way_length` away. Moved by `error` along its normal, the plane
-/// has a 1 / depth that is larger by the share `error / (height - error)`, at most by its own size. Light grazes at a
-/// cosine of at least 0.1.
+/// The source is `height` over the receiver's plane and `path_length` away. Moved by `error` along its normal, the
+/// plane has a 1 / depth that is larger by the share `error / (height - error)`, at most by its own size. Light grazes
+/// at a cosine of at least 0.1.
 #[inline(always)]
-fn depth_error(height: F32s, way_length: F32s, error: f32) -> F32s {
+fn depth_error(height: F32s, path_length: F32s, error: f32) -> F32s {
     let error = F32s::splat(error);
-    let plane_height = height.most(F32s::splat(0.1) * way_length);
+    let plane_height = height.most(F32s::splat(0.1) * path_length);
     let room = (plane_height - error).most(error);
     F32s::select(room.gt(F32s::splat(0.0)), error / room, F32s::splat(0.0))
 }
@@ -128,18 +69,6 @@ fn followed_share(reach: F32s, run: F32s) -> F32s {
     let around = F32s::splat(1.5) * run;
     let to_texels_around = (around / (F32s::splat(1.0) + around)).least(F32s::splat(0.9));
     reach.least(F32s::splat(0.5)).most(to_texels_around)
-}
-
-/// Returns samples of surfaces that are all outside the light.
-#[inline(always)]
-fn no_light() -> LightSampleLanes {
-    let zero = Vec3s::splat([0.0; 3]);
-    LightSampleLanes {
-        inside: Masks::of(false),
-        direction: zero,
-        irradiance: zero,
-        visibility: F32s::splat(0.0),
-    }
 }
 
 #[cfg(test)]

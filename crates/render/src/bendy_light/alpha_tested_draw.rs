@@ -2,14 +2,14 @@
 
 use std::mem::offset_of;
 
-use wgpu::{Buffer, BufferBinding, RenderPass, RenderPipeline, VertexBufferLayout, VertexStepMode};
+use wgpu::{Buffer, BufferBinding, RenderPass, RenderPipeline};
 
 use super::gpu_structs::BentCounts;
-use super::shadow_buffers::{Buffers, VERTEX_BYTES};
+use super::shadow_buffers::{Buffers, mapped_vertices};
 use crate::alpha_test::GpuAlphaTests;
 use crate::geometry::Geometry;
 use crate::gpu_structs::Mat4;
-use crate::pipeline::least_depth_test;
+use crate::pipeline::{DrawPipeline, least_depth_test};
 use crate::{Gpu, shaders};
 
 #[cfg(test)]
@@ -22,35 +22,12 @@ pub(super) struct AlphaTestedDraw(RenderPipeline);
 impl AlphaTestedDraw {
     pub fn new(gpu: &Gpu) -> Self {
         let module = gpu.shader_module("bent masked", shaders::BENT_MASKED);
-        let layout = |attributes| {
-            Some(VertexBufferLayout {
-                array_stride: VERTEX_BYTES,
-                step_mode: VertexStepMode::Vertex,
-                attributes,
-            })
-        };
         let mapped = wgpu::vertex_attr_array![0 => Float32x4];
-        let place = wgpu::vertex_attr_array![1 => Float32x3, 2 => Uint32];
-        Self(gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("bent masked"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vs_bent_masked"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[layout(&mapped), layout(&place)],
-            },
-            primitive: wgpu::PrimitiveState::default(),
+        let in_triangle = wgpu::vertex_attr_array![1 => Float32x3, 2 => Uint32];
+        Self(gpu.draw_pipeline(DrawPipeline {
+            vertex_buffers: &[Some(mapped_vertices(&mapped)), Some(mapped_vertices(&in_triangle))],
             depth_stencil: Some(least_depth_test()),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fs_bent_masked"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[],
-            }),
-            multiview_mask: None,
-            cache: None,
+            ..DrawPipeline::new("bent masked", &module, "vs_bent_masked", Some("fs_bent_masked"))
         }))
     }
 
@@ -76,9 +53,8 @@ impl AlphaTestedDraw {
             geometry.indices.as_entire_binding(),
         ];
         let tests = [tests.tests.as_entire_binding(), tests.texels.as_entire_binding()];
-        let group = |index, bindings: &[_]| {
-            gpu.bind_group("bent masked", &self.0.get_bind_group_layout(index), bindings)
-        };
+        let group =
+            |index, bindings: &[_]| gpu.bind_group("bent masked", &self.0.get_bind_group_layout(index), bindings);
         pass.set_pipeline(&self.0);
         pass.set_bind_group(0, &group(0, &triangles), &[]);
         pass.set_bind_group(1, &group(1, &tests), &[]);

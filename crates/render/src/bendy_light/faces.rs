@@ -7,9 +7,6 @@
 use glam::{DMat3, DVec3};
 use light::{ControlPoint, Light};
 
-use crate::ShadowSettings;
-use crate::shadow_settings::MapSize;
-
 /// Length of the arrays of faces in the shaders.
 pub(super) const MAX_FACES: usize = 5;
 /// Largest slope of a tube with one face, `tan 60 degrees`. Beyond it, texels at the center of a cone are wider than
@@ -22,8 +19,9 @@ pub(super) struct Faces {
     slope: Option<f64>,
 }
 
-pub(crate) fn map_size(light: &Light, shadows: &ShadowSettings) -> MapSize {
-    shadows.map_size(Faces::of(light).count())
+/// Returns the number of faces of a light's map.
+pub(crate) fn face_count(light: &Light) -> usize {
+    Faces::of(light).count()
 }
 
 impl Faces {

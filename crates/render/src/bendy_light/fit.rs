@@ -8,19 +8,14 @@ use glam::{DMat3, DVec3};
 use light::{Curve, FrameMode, Tube, TubeSlab, quadratic_range};
 
 use super::faces::{Faces, MAX_FACES};
-use crate::clusters::{ClusterBounds, Clusters, OpenSide, OpenSides};
+use crate::clusters::{ClusterBounds, Clusters, MapCover, OpenSide, OpenSides};
+use crate::map_views::{MARGIN_TEXELS, SMALLEST_RATIO, SMALLEST_SHARE};
 use crate::shadow_settings::Culling;
 
 /// Number of pieces per slab. A slab turns by at most 15 degrees.
 const PIECES: u32 = 4;
 /// Margin of bounds as a share of the light's size, for rounding here and on the GPU.
 const ROUNDING: f64 = 1e-6;
-/// Margin around casters in texels, so that the filter reads only texels that are drawn.
-const MARGIN_TEXELS: f64 = 2.0;
-/// Smallest fitted share of a face. Neither axis is fitted to less than a quarter of the other. Finer texels are below
-/// the rounding error of positions.
-const SMALLEST_SHARE: f64 = 1.0 / 128.0;
-const SMALLEST_RATIO: f64 = 0.25;
 
 /// Interval of numbers: the least and the greatest.
 type Range = [f64; 2];
@@ -47,7 +42,9 @@ pub(super) struct DrawnFace {
 impl BendyFit {
     /// Fits a map to `clusters`, which are boxes in scene space. An extended tube ends at `t_max`.
     pub fn new(
-        (tube, faces, t_max): (&Tube<f64>, Faces, f64),
+        tube: &Tube<f64>,
+        faces: Faces,
+        t_max: f64,
         scene_origin: DVec3,
         clusters: &Clusters,
         culling: Culling,
@@ -56,15 +53,9 @@ impl BendyFit {
         let comes_in = |side: &OpenSide| !culling.sides || may_enter(&pieces, tube, side, scene_origin);
         let open_sides = clusters.open_sides(comes_in);
         let mut fit = Self { faces, bounds: [None; MAX_FACES], t: None, open_sides };
-        let trees: Vec<_> = clusters.casting_trees(open_sides).collect();
-        for (piece, tree) in pieces.iter().flat_map(|piece| trees.iter().map(move |tree| (piece, tree))) {
-            tree.walk(|cluster, has_more| {
-                let Some(here) = piece.bounds_of(cluster) else { return false };
-                let here = Self::of(faces, &here);
-                if !has_more {
-                    fit.extend(&here);
-                }
-                has_more && !fit.holds(&here)
+        for piece in &pieces {
+            fit.extend_by_leaves(clusters.casting_trees(open_sides), |cluster| {
+                piece.bounds_of(cluster).map(|range| Self::of(faces, &range))
             });
         }
         fit
@@ -76,47 +67,22 @@ impl BendyFit {
         Self { faces, bounds: [None; MAX_FACES], t: Some([0.0, t_max]), open_sides }
     }
 
-    fn of(faces: Faces, place: &CoordsRange) -> Self {
-        let depth = place.radius.map(|r| r / faces.slope());
+    fn of(faces: Faces, coords: &CoordsRange) -> Self {
+        let depth = coords.radius.map(|r| r / faces.slope());
         let open_sides = OpenSides::default();
-        let mut fit = Self { faces, bounds: [None; MAX_FACES], t: Some(place.t), open_sides };
+        let mut fit = Self { faces, bounds: [None; MAX_FACES], t: Some(coords.t), open_sides };
         for (face, bounds) in fit.bounds.iter_mut().enumerate().take(faces.count()) {
             let opposite = |[low, high]: Range| [-high, -low];
             let [x, y, ahead] = match face {
-                0 => [place.v, place.w, depth],
-                1 => [place.w, depth, place.v],
-                2 => [place.w, depth, opposite(place.v)],
-                3 => [place.v, depth, place.w],
-                _ => [place.v, depth, opposite(place.w)],
+                0 => [coords.v, coords.w, depth],
+                1 => [coords.w, depth, coords.v],
+                2 => [coords.w, depth, opposite(coords.v)],
+                3 => [coords.v, depth, coords.w],
+                _ => [coords.v, depth, opposite(coords.w)],
             };
             *bounds = slopes([x, y], ahead, faces.limits(face));
         }
         fit
-    }
-
-    fn extend(&mut self, other: &Self) {
-        let union = |[a, b]: Range, [c, d]: Range| [a.min(c), b.max(d)];
-        for (own, other) in self.bounds.iter_mut().zip(other.bounds) {
-            *own = match (*own, other) {
-                (Some(a), Some(b)) => Some([union(a[0], b[0]), union(a[1], b[1])]),
-                (a, b) => a.or(b),
-            };
-        }
-        self.t = match (self.t, other.t) {
-            (Some(a), Some(b)) => Some(union(a, b)),
-            (a, b) => a.or(b),
-        };
-    }
-
-    fn holds(&self, other: &Self) -> bool {
-        let within = |outer: Range, inner: Range| outer[0] <= inner[0] && inner[1] <= outer[1];
-        let mut faces = self.bounds.iter().zip(other.bounds);
-        let held = faces.all(|(own, other)| match (own, other) {
-            (Some(a), Some(b)) => within(a[0], b[0]) && within(a[1], b[1]),
-            (None, Some(_)) => false,
-            (_, None) => true,
-        });
-        held && matches!((self.t, other.t), (Some(a), Some(b)) if within(a, b))
     }
 
     /// Returns the drawn part of a face of `side` texels. It stays within the tube, whose rim is the border of the map.
@@ -132,15 +98,39 @@ impl BendyFit {
             let [low, high] = limits[axis];
             let rim = |slope: f64| !self.faces.is_cube() || slope.abs() < 1.0;
             let reach = (high - low) / 2.0 * (grown - 1.0);
-            let [low, high] =
-                [if rim(low) { low } else { low - reach }, if rim(high) { high } else { high + reach }];
+            let [low, high] = [if rim(low) { low } else { low - reach }, if rim(high) { high } else { high + reach }];
             let half = size[axis].max(least).max((high - low) * SMALLEST_SHARE) / 2.0 * grown;
             let half = half.min((high - low) / 2.0);
             let middle = f64::midpoint(bounds[axis][0], bounds[axis][1]);
-            (drawn.center[axis], drawn.half[axis]) =
-                (middle.clamp(low + half, (high - half).max(low + half)), half);
+            (drawn.center[axis], drawn.half[axis]) = (middle.clamp(low + half, (high - half).max(low + half)), half);
         }
         drawn
+    }
+}
+
+impl MapCover for BendyFit {
+    fn contains(&self, other: &Self) -> bool {
+        let within = |outer: Range, inner: Range| outer[0] <= inner[0] && inner[1] <= outer[1];
+        let mut faces = self.bounds.iter().zip(other.bounds);
+        let contains_faces = faces.all(|(own, other)| match (own, other) {
+            (Some(a), Some(b)) => within(a[0], b[0]) && within(a[1], b[1]),
+            (own, other) => own.is_some() || other.is_none(),
+        });
+        contains_faces && matches!((self.t, other.t), (Some(a), Some(b)) if within(a, b))
+    }
+
+    fn extend(&mut self, other: &Self) {
+        let union = |[a, b]: Range, [c, d]: Range| [a.min(c), b.max(d)];
+        for (own, other) in self.bounds.iter_mut().zip(other.bounds) {
+            *own = match (*own, other) {
+                (Some(a), Some(b)) => Some([union(a[0], b[0]), union(a[1], b[1])]),
+                (a, b) => a.or(b),
+            };
+        }
+        self.t = match (self.t, other.t) {
+            (Some(a), Some(b)) => Some(union(a, b)),
+            (a, b) => a.or(b),
+        };
     }
 }
 
@@ -148,9 +138,7 @@ fn pieces(tube: &Tube<f64>, t_max: f64, scene_origin: DVec3) -> Vec<TubePiece> {
     let share = |k: u32| f64::from(k) / f64::from(PIECES);
     light::slabs(tube, t_max, ROUNDING)
         .iter()
-        .flat_map(|slab| {
-            (0..PIECES).map(|k| TubePiece::new(tube, slab, [share(k), share(k + 1)], scene_origin))
-        })
+        .flat_map(|slab| (0..PIECES).map(|k| TubePiece::new(tube, slab, [share(k), share(k + 1)], scene_origin)))
         .collect()
 }
 
@@ -235,8 +223,7 @@ impl TubePiece {
         let placement = &tube.placement;
         let to_tube: DMat3 = placement.rotation.transpose() * (1.0 / placement.world_per_tube);
         let origin = placement.tube_from_world(scene_origin);
-        let linear =
-            |direction: DVec3, from: DVec3| (to_tube.transpose() * direction, direction.dot(origin - from));
+        let linear = |direction: DVec3, from: DVec3| (to_tube.transpose() * direction, direction.dot(origin - from));
         let (first, middle, last) = (curve.u_hat(0.0), curve.u_hat(0.5), curve.u_hat(1.0));
         let m_hat = curve.n_hat.cross(middle).normalize_or_zero();
         let cos = first.dot(middle).min(last.dot(middle)).clamp(0.0, 1.0);
@@ -297,8 +284,7 @@ impl TubePiece {
             return None;
         }
         let (alpha, beta) = (self.alpha, self.beta);
-        let (v, w) =
-            (linear_range(normal, alpha, in_plane, beta), linear_range(normal, beta, in_plane, -alpha));
+        let (v, w) = (linear_range(normal, alpha, in_plane, beta), linear_range(normal, beta, in_plane, -alpha));
         let (v, w) = turned(v, w, self.twist);
         let t = u.map(|u| self.t_start + self.t_span * u);
         Some(CoordsRange { v: within(v, radius[1]), w: within(w, radius[1]), radius, t })

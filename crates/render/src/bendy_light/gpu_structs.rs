@@ -1,29 +1,12 @@
 //! Structs of the bent passes, in WGSL layout.
 
 use super::faces::MAX_FACES;
-#[cfg(test)]
-use crate::gpu_structs::StructLayout;
-use crate::gpu_structs::{LightProfile, Mat4, gpu_struct};
+use crate::gpu_structs::{LightProfile, Mat4, gpu_structs};
 
 /// Columns of a 3 x 3 matrix, each followed by padding.
 pub(crate) type Mat3 = [[f32; 4]; 3];
 
-/// All structs of this file, for the layout test.
-#[cfg(test)]
-pub(crate) const ALL: &[StructLayout] = &[
-    Curve::LAYOUT,
-    Segment::LAYOUT,
-    BendyLight::LAYOUT,
-    LocatedRoot::LAYOUT,
-    BentMap::LAYOUT,
-    BentCounts::LAYOUT,
-    BentShadow::LAYOUT,
-    Wireframe::LAYOUT,
-    Patch::LAYOUT,
-    Slab::LAYOUT,
-];
-
-gpu_struct! {
+gpu_structs! {
     /// Quadratic piece of a tube in `curve.wgsl`: `light::Curve` in f32.
     Curve {
         b0: [f32; 3],
@@ -47,9 +30,7 @@ gpu_struct! {
         box_axis_2: [f32; 3],
         box_half_2: f32,
     }
-}
 
-gpu_struct! {
     /// Segment of a BendyLight in `tube.wgsl`: its curve, and the control values of color and intensity.
     Segment {
         curve: Curve,
@@ -62,9 +43,7 @@ gpu_struct! {
         arc_start: f32,
         pad0: [f32; 3],
     }
-}
 
-gpu_struct! {
     /// Uniform of a BendyLight in `tube.wgsl`, with the parameters of its shadow map.
     BendyLight {
         tube_from_scene: Mat4,
@@ -85,9 +64,7 @@ gpu_struct! {
         light_profile: LightProfile,
         fits: [[f32; 4]; MAX_FACES],
     }
-}
 
-gpu_struct! {
     /// Root of a point in a tube, as `locate.wgsl` writes it.
     LocatedRoot {
         segment: u32,
@@ -99,9 +76,7 @@ gpu_struct! {
         direction: [f32; 3],
         pad1: f32,
     }
-}
 
-gpu_struct! {
     /// Uniform of the compute passes that map casters into a tube, in `bent_map.wgsl`.
     BentMap {
         tube_from_scene: Mat4,
@@ -124,18 +99,14 @@ gpu_struct! {
         pad0: [f32; 2],
         faces: [Mat3; MAX_FACES],
     }
-}
 
-gpu_struct! {
     /// Slab of a tube in `bent_map.wgsl`: a piece of its curve, between planes.
     Slab {
         curve: Curve,
         planes: [[f32; 4]; 6],
         edge_bounds: [f32; 4],
     }
-}
 
-gpu_struct! {
     /// Counts of mapped triangles in `bent_map.wgsl`, which the compute passes increase. They begin with the arguments
     /// of the indirect draws.
     BentCounts {
@@ -155,9 +126,7 @@ gpu_struct! {
         level: u32,
         items: [u32; LEVELS],
     }
-}
 
-gpu_struct! {
     /// Part of a triangle in one slab, in `bent_map.wgsl`: its corners in tube space and in tube coordinates.
     Patch {
         a: [f32; 3],
@@ -170,13 +139,7 @@ gpu_struct! {
         mapped_b: [f32; 4],
         mapped_c: [f32; 4],
     }
-}
 
-/// Number of compute passes, each of which works on the items that the one before wrote: clipping, ten levels of
-/// splitting, and a last one that only draws.
-pub(crate) const LEVELS: usize = 12;
-
-gpu_struct! {
     /// Uniform for drawing mapped triangles onto one face of a bent shadow map, in `bent_shadow.wgsl`.
     BentShadow {
         clip_from_mapped: Mat3,
@@ -184,9 +147,7 @@ gpu_struct! {
         depth_per_t: f32,
         pad0: f32,
     }
-}
 
-gpu_struct! {
     /// Uniform for drawing mapped triangles as a wireframe, in `wireframe.wgsl`.
     Wireframe {
         clip_per_vw: [f32; 2],
@@ -196,3 +157,7 @@ gpu_struct! {
         map_t_span: f32,
     }
 }
+
+/// Number of compute passes, each of which works on the items that the one before wrote: clipping, ten levels of
+/// splitting, and a last one that only draws.
+pub(crate) const LEVELS: usize = 12;

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use light::{Curve, Roots};
 use wgpu::BufferUsages;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::gpu_curve;
+use crate::pipeline::entire;
 use crate::{Gpu, RenderError, readback, shaders};
 
 /// Threads of a workgroup; the shader has the same number.
@@ -23,30 +23,20 @@ pub fn increasing_roots(
     dispatches: u32,
 ) -> Result<(Vec<Roots<f32>>, Duration), RenderError> {
     gpu.with_error_scopes(|| {
-        let init = |label, contents: &[u8], usage| {
-            gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
-        };
         let curves: Vec<_> = cases.iter().map(|(curve, _)| gpu_curve(curve, 0.0, 1.0)).collect();
         let points: Vec<[f32; 4]> = cases.iter().map(|(_, q)| q.extend(0.0).to_array()).collect();
-        let curves = init("curves", bytemuck::cast_slice(&curves), BufferUsages::STORAGE);
-        let points = init("points", bytemuck::cast_slice(&points), BufferUsages::STORAGE);
+        let curves = gpu.buffer_with("curves", &curves, BufferUsages::STORAGE);
+        let points = gpu.buffer_with("points", &points, BufferUsages::STORAGE);
         // Filled so that an unsolved case differs from one without roots.
         let unsolved = vec![[f32::NAN; 4]; cases.len()];
         let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        let found = init("found", bytemuck::cast_slice(&unsolved), results);
+        let found = gpu.buffer_with("found", &unsolved, results);
 
-        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("increasing_roots"),
-            layout: None,
-            module: &gpu.shader_module("increasing_roots", shaders::INCREASING_ROOTS),
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
-        let buffers = [&curves, &points, &found].map(wgpu::Buffer::as_entire_binding);
+        let pipeline = gpu.compute_pipeline("increasing_roots", shaders::INCREASING_ROOTS, "main");
+        let buffers = entire(&[&curves, &points, &found]);
         let group = gpu.bind_group("increasing_roots", &pipeline.get_bind_group_layout(0), &buffers);
         let solve = |times: u32| {
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = gpu.encoder();
             for _ in 0..times {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                 pass.set_pipeline(&pipeline);

@@ -3,10 +3,10 @@
 use glam::{DVec3, Vec3};
 use light::{EndMode, LightPart, Tube, TubeLocation, TubePoint};
 use wgpu::BufferUsages;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::gpu_structs::LocatedRoot;
 use super::{Baked, segments, uniform};
+use crate::pipeline::entire;
 use crate::{Gpu, RenderError, ShadowFilter, readback, shaders};
 
 /// Threads of a workgroup; the shader has the same number.
@@ -18,15 +18,12 @@ const ROOTS_PER_DISPATCH: usize = (16 << 20) / size_of::<LocatedRoot>();
 ///
 /// Points are transformed to tube space in f64 and rounded there, to the space of the light part that contains them, as
 /// for a scene (see [`light::LightPart`]). The accuracy is that of [`light::Tube`] with eps = 2^-24.
-pub fn locate(
-    gpu: &Gpu,
-    light: &Tube<f64>,
-    points_in_world: &[DVec3],
-) -> Result<Vec<TubeLocation>, RenderError> {
+pub fn locate(gpu: &Gpu, light: &Tube<f64>, points_in_world: &[DVec3]) -> Result<Vec<TubeLocation>, RenderError> {
     let part = light.part_near_points(points_in_world);
     let tube = &part.tube;
     gpu.with_error_scopes(|| {
-        let pipeline = pipeline(gpu, Baked::of(tube, false, ShadowFilter::default()));
+        let wgsl = Baked::of(tube, false, ShadowFilter::default()).into_wgsl(shaders::LOCATE);
+        let pipeline = gpu.compute_pipeline("locate", &wgsl, "locate");
         let mut locations = Vec::with_capacity(points_in_world.len());
         for points in points_in_world.chunks(ROOTS_PER_DISPATCH / roots_a_point(tube)) {
             locations.extend(dispatch(gpu, &pipeline, &part, points)?);
@@ -40,17 +37,6 @@ fn roots_a_point(tube: &Tube<f64>) -> usize {
     2 * tube.n + usize::from(tube.end_mode() == EndMode::Extend)
 }
 
-fn pipeline(gpu: &Gpu, baked: Baked) -> wgpu::ComputePipeline {
-    gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("locate"),
-        layout: None,
-        module: &gpu.shader_module("locate", &baked.into_wgsl(shaders::LOCATE)),
-        entry_point: Some("locate"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    })
-}
-
 fn dispatch(
     gpu: &Gpu,
     pipeline: &wgpu::ComputePipeline,
@@ -59,35 +45,22 @@ fn dispatch(
 ) -> Result<Vec<TubeLocation>, RenderError> {
     let tube = &part.tube;
     let stride = roots_a_point(tube);
-    let points: Vec<[f32; 4]> = points_in_world
-        .iter()
-        .map(|&p| tube.placement.tube_from_world(p).as_vec3().extend(0.0).to_array())
-        .collect();
-    let init = |label, contents: &[u8], usage| {
-        gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
-    };
+    let points: Vec<[f32; 4]> =
+        points_in_world.iter().map(|&p| tube.placement.tube_from_world(p).as_vec3().extend(0.0).to_array()).collect();
     let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-    let light = init("light", bytemuck::bytes_of(&uniform(part, DVec3::ZERO)), BufferUsages::UNIFORM);
-    let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
-    let points = init("points", bytemuck::cast_slice(&points), BufferUsages::STORAGE);
+    let light = gpu.uniform_with("light", &uniform(part, DVec3::ZERO));
+    let segments = gpu.buffer_with("segments", &segments(tube), BufferUsages::UNIFORM);
+    let points = gpu.buffer_with("points", &points, BufferUsages::STORAGE);
     // Filled so that an unwritten point differs from one without roots.
-    let counts = init("root counts", &vec![0xff; 4 * points_in_world.len()], results);
-    let roots = vec![0xff; size_of::<LocatedRoot>() * stride * points_in_world.len()];
-    let roots = init("located roots", &roots, results);
+    let counts = gpu.buffer_with("root counts", &vec![u32::MAX; points_in_world.len()], results);
+    let roots = vec![0xff_u8; size_of::<LocatedRoot>() * stride * points_in_world.len()];
+    let roots = gpu.buffer_with("located roots", &roots, results);
 
     let group = |index, buffers: &[&wgpu::Buffer]| {
-        let resources: Vec<_> = buffers.iter().map(|b| b.as_entire_binding()).collect();
-        gpu.bind_group("locate", &pipeline.get_bind_group_layout(index), &resources)
+        (index, gpu.bind_group("locate", &pipeline.get_bind_group_layout(index), &entire(buffers)))
     };
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group(0, &[&points, &counts, &roots]), &[]);
-        pass.set_bind_group(2, &group(2, &[&light, &segments]), &[]);
-        pass.dispatch_workgroups(points_in_world.len().div_ceil(WORKGROUP) as u32, 1, 1);
-    }
-    gpu.queue.submit([encoder.finish()]);
+    let groups = [group(0, &[&points, &counts, &roots]), group(2, &[&light, &segments])];
+    gpu.dispatch(pipeline, &groups, points_in_world.len().div_ceil(WORKGROUP) as u32);
     let counts = readback::read_buffer::<u32>(gpu, &counts)?;
     let roots = readback::read_buffer::<LocatedRoot>(gpu, &roots)?;
     let found = counts.iter().zip(roots.chunks(stride));
@@ -108,8 +81,7 @@ fn unwritten() -> RenderError {
 fn location(tube: &Tube<f64>, roots: &[LocatedRoot]) -> TubeLocation {
     let offset2 = |r: &LocatedRoot| r.v_len * r.v_len + r.w_len * r.w_len;
     let rho2 = |a: &LocatedRoot, b: &LocatedRoot| offset2(a) * b.radius * b.radius;
-    let best =
-        roots.iter().reduce(|best, root| if rho2(root, best) < rho2(best, root) { root } else { best });
+    let best = roots.iter().reduce(|best, root| if rho2(root, best) < rho2(best, root) { root } else { best });
     let t = |root: &LocatedRoot| f64::from(root.segment) + f64::from(root.u);
     let describe = |root: &LocatedRoot| {
         let over_radius = |x: f32| if root.radius > 0.0 { f64::from(x / root.radius) } else { 0.0 };

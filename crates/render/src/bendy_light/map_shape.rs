@@ -12,25 +12,15 @@ use crate::clusters::OpenSides;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MapShape {
     fit: BendyFit,
-    side: u32,
-    mesh_error: f64,
+    /// Texels along each side of a face.
+    pub side: u32,
+    /// Largest distance of the casters, which may be simplified, from the scene's surface, in world units.
+    pub mesh_error: f64,
 }
 
 impl MapShape {
-    /// Makes a map with `side` texels a side. `mesh_error` is the largest distance of its casters from the surface, in
-    /// world units.
     pub(super) fn new(fit: BendyFit, side: u32, mesh_error: f64) -> Self {
         Self { fit, side, mesh_error }
-    }
-
-    /// Returns the largest distance of the casters from the surface, in world units.
-    pub fn mesh_error(&self) -> f64 {
-        self.mesh_error
-    }
-
-    /// Returns the texels along each side of a face.
-    pub fn side(&self) -> u32 {
-        self.side
     }
 
     pub fn face_count(&self) -> usize {

@@ -25,11 +25,12 @@ use light::MAX_EXTENT;
 use light::{Curve, DirectionMode, EndMode, FrameMode, LightPart, Segment, Tube};
 
 use crate::baked_filter::BakedFilter;
+use crate::clusters::ClusterBounds;
 use crate::gpu_structs::Mat4;
 use crate::shadow_settings::with_filter;
 use crate::{ShadowFilter, ShadowSettings};
 
-pub(crate) use faces::map_size;
+pub(crate) use faces::face_count;
 pub use increasing_roots::increasing_roots;
 pub use locate::locate;
 pub(crate) use map_shape::MapShape;
@@ -49,8 +50,7 @@ const MAX_INTENSITY: f32 = 1e15;
 /// f64.
 fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
     let placement = &tube.placement;
-    let rotation =
-        placement.rotation.transpose() * DMat3::from_diagonal(DVec3::splat(1.0 / placement.world_per_tube));
+    let rotation = placement.rotation.transpose() * DMat3::from_diagonal(DVec3::splat(1.0 / placement.world_per_tube));
     let offset = placement.tube_from_world(scene_origin);
     let matrix = DMat4::from_cols(
         rotation.x_axis.extend(0.0),
@@ -69,28 +69,14 @@ pub(crate) fn t_max(tube: &Tube<f64>, scene_origin: DVec3, half_extent: DVec3) -
         return n;
     }
     let last = &tube.segments[tube.n].curve;
-    let farthest = corners(scene_origin, half_extent)
+    let scene = ClusterBounds { center: scene_origin, half: half_extent };
+    let farthest = scene
+        .corners()
+        .into_iter()
         .map(|corner| (tube.placement.tube_from_world(corner) - last.b0).dot(last.d0))
         .fold(0.0, f64::max);
     // One percent more, so that the far corner itself is inside.
     n + (farthest / (2.0 * last.d0.length_squared())) * 1.01 + 1e-3
-}
-
-/// Returns the world positions of the corners of the scene's bounds.
-fn corners(scene_origin: DVec3, half_extent: DVec3) -> impl Iterator<Item = DVec3> {
-    (0..8).map(move |k| {
-        let sign = DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2 & 1)) * 2.0 - 1.0;
-        scene_origin + half_extent * sign
-    })
-}
-
-/// Returns the world positions that enclose the tube up to `t_max`: the corners of its slabs' boxes.
-pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
-    light::slabs(tube, t_max, 0.0)
-        .iter()
-        .flat_map(|slab| slab.slab_curve.bounds.corners())
-        .map(|corner| tube.placement.world_from_tube(corner))
-        .collect()
 }
 
 fn gpu_curve(curve: &Curve<f32>, t_start: f32, t_span: f32) -> gpu_structs::Curve {
@@ -225,8 +211,7 @@ pub(crate) fn uniform(part: &LightPart, scene_origin: DVec3) -> gpu_structs::Ben
     let rotation = tube.placement.rotation.as_mat3();
     gpu_structs::BendyLight {
         tube_from_scene: tube_from_scene(tube, scene_origin),
-        world_from_tube: [rotation.x_axis, rotation.y_axis, rotation.z_axis]
-            .map(|c| c.extend(0.0).to_array()),
+        world_from_tube: [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|c| c.extend(0.0).to_array()),
         up: tube.up.as_vec3().to_array(),
         segment_count: tube.n as u32,
         world_per_tube: tube.placement.world_per_tube as f32,
@@ -239,7 +224,7 @@ pub(crate) fn uniform(part: &LightPart, scene_origin: DVec3) -> gpu_structs::Ben
 
 /// Returns the mesh error in tube space, at most the extent of the scene: a larger one has the same effect.
 fn mesh_error_in_tube(tube: &Tube<f64>, map: &MapShape) -> f32 {
-    (map.mesh_error() / tube.placement.world_per_tube).min(MAX_EXTENT) as f32
+    (map.mesh_error / tube.placement.world_per_tube).min(MAX_EXTENT) as f32
 }
 
 /// Returns the light's uniform for `tube.wgsl`, with its shadow map.
@@ -254,7 +239,7 @@ pub(crate) fn uniform_with_map(
         map_t_span: map.t_span() as f32,
         map_t_last: map.t_last() as f32,
         slope: map.slope() as f32,
-        shadow_resolution: map.side() as f32,
+        shadow_resolution: map.side as f32,
         shadow_tolerance_texels: shadows.bent_tolerance_texels(),
         mesh_error: mesh_error_in_tube(&part.tube, map),
         fits: map.fits(),

@@ -1,6 +1,6 @@
 //! BendyLights on the CPU: the light's numbers for `relight`, and its map.
 
-use glam::{DVec3, Mat3, Mat4, Vec3};
+use glam::{Mat3, Mat4, Vec3};
 use light::{CheckedLight, LightPart, Tube};
 use relight::{AlphaTests, BentFace, BentMap, BentMapParams, DepthMap, RelitBent, TubeSpace};
 
@@ -9,39 +9,31 @@ use super::near_slabs::CastersNearSlabs;
 use super::pass::fit_bent_map;
 use super::slab;
 use super::{mesh_error_in_tube, tube_from_scene};
-use crate::coarse_casters::SimplifiedCasters;
 use crate::gpu_scene::GpuScene;
 use crate::host_scene::caster_scene;
-use crate::linked::LinkedCasters;
+use crate::linked::CasterSource;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowSettings};
 
-/// Draws the shadow map of `light` into `map`, at the size of `map`. The casters are those that `linked` selects, or
-/// the `coarse` ones if they are accurate enough. Returns the shape of the map.
+/// Draws the shadow map of `light` into `into`, at its size. The casters are those of the source, or its coarse ones if
+/// they are accurate enough. Returns the shape of the map.
 pub(crate) fn draw_map(
-    (gpu, work): (&Gpu, &mut relight::BentMapBuilder),
-    (light, tube): (&CheckedLight, &Tube<f64>),
-    (scene, linked, shadows): (&GpuScene, Option<&LinkedCasters>, &ShadowSettings),
-    coarse: Option<&SimplifiedCasters>,
+    gpu: &Gpu,
+    work: &mut relight::BentMapBuilder,
+    light: &CheckedLight,
+    tube: &Tube<f64>,
+    source: CasterSource,
     into: &mut DepthMap,
 ) -> Result<MapShape, RenderError> {
+    let CasterSource { scene, shadows, .. } = source;
     let (origin, workers) = (scene.posed.origin_in_world, gpu.workers());
     let part = tube.part_near(origin, scene.posed.half_extent);
     let tube = &part.tube;
-    let (casting, map) = fit_bent_map(gpu, (tube, light.light()), (scene, linked, shadows), coarse)?;
-    let split_above_texels = shadows.split_above_texels();
-    // The tube is 2 wide in v and w.
-    let resolution = 2.0 * map.texels_per_vw();
-    let slabs =
-        |t_range| slab::slabs(tube, (map.t_base(), t_range), resolution, f64::from(split_above_texels));
-    let slabs = map.t_range().map_or_else(Vec::new, slabs);
-    let near = CastersNearSlabs::new(casting.casters, (tube, origin), (&map, &slabs), shadows.culling);
-    let corners = || slabs.iter().flat_map(|(_, corners)| *corners);
-    let bounds = [
-        corners().fold(DVec3::INFINITY, DVec3::min).as_vec3(),
-        corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3(),
-    ];
-    let slabs: Vec<_> = slabs.iter().map(|(slab, _)| *slab).collect();
+    let (casting, map) = fit_bent_map(gpu, tube, light.light(), source)?;
+    let slabs = slab::slabs_of_map(tube, &map, shadows);
+    let near = CastersNearSlabs::new(casting.casters, tube, origin, &map, &slabs, shadows.culling);
+    let bounds = slab::bounds(&slabs);
+    let slabs: Vec<_> = slabs.into_iter().map(|boxed| boxed.slab).collect();
     let faces: Vec<BentFace> = (0..map.face_count()).map(|face| face_of(&map, face)).collect();
     let drawn = BentMap {
         space: TubeSpace {
@@ -54,7 +46,7 @@ pub(crate) fn draw_map(
         faces: &faces,
         cube_slope: map.is_cube().then(|| map.slope() as f32),
         texels_per_vw: map.texels_per_vw() as f32,
-        tolerance_texels: split_above_texels,
+        tolerance_texels: shadows.split_above_texels(),
     };
     let host = casting.casters.host.as_deref().expect("it is there where the processor draws");
     let casters = relight::BentCasters {
@@ -63,9 +55,7 @@ pub(crate) fn draw_map(
         opaque_triangles: casting.casters.opaque_indices / 3,
         leaves: &near.leaves,
         blocks: &near.blocks,
-        alpha_tests: casting
-            .alpha_tests
-            .map_or_else(AlphaTests::default, crate::alpha_test::GpuAlphaTests::host),
+        alpha_tests: casting.alpha_tests.map_or_else(AlphaTests::default, crate::alpha_test::GpuAlphaTests::host),
         scene: &caster_scene(scene, None),
     };
     work.map_vertices(workers, &drawn, &casters);
@@ -80,7 +70,7 @@ pub(crate) fn draw_map(
         counters.triangles_seen += u64::from(near.triangles);
         counters.triangles_split += split;
         counters.triangles_drawn += triangles;
-        counters.texels += map.face_count() as u64 * u64::from(map.side()).pow(2);
+        counters.texels += map.face_count() as u64 * u64::from(map.side).pow(2);
     });
     Ok(map)
 }
@@ -100,11 +90,12 @@ fn face_of(map: &MapShape, face: usize) -> BentFace {
 pub(crate) fn placed(
     tube: &Tube<f64>,
     scene: &GpuScene,
-    (map, shadows): (Option<&MapShape>, &ShadowSettings),
+    map: Option<&MapShape>,
+    shadows: &ShadowSettings,
 ) -> RelitBent {
     let origin = scene.posed.origin_in_world;
     let LightPart { tube, .. } = &tube.part_near(origin, scene.posed.half_extent);
-    let place = map.map_or_else(BentMapParams::default, |map| BentMapParams {
+    let params = map.map_or_else(BentMapParams::default, |map| BentMapParams {
         t_base: map.t_base() as f32,
         t_span: map.t_span() as f32,
         t_last: map.t_last() as f32,
@@ -114,7 +105,7 @@ pub(crate) fn placed(
         fits: map.fits(),
         filter: shadows.filter,
     });
-    RelitBent::new(tube, Mat4::from_cols_array_2d(&tube_from_scene(tube, origin)), place)
+    RelitBent::new(tube, Mat4::from_cols_array_2d(&tube_from_scene(tube, origin)), params)
 }
 
 #[cfg(test)]

@@ -5,9 +5,9 @@ use light::Tube;
 use relight::MapSlab;
 
 use super::map_shape::MapShape;
+use super::slab::BoxedSlab;
 use crate::casters::Casters;
-use crate::closed_components::TriangleComponent;
-use crate::clusters::{BoxSelection, ClusterBounds, ClusterLeaf, VERTICES_PER_BLOCK};
+use crate::clusters::{BoxSelection, ClusterBounds, VERTICES_PER_BLOCK};
 use crate::shadow_settings::Culling;
 
 /// Enlarges the source by this share of the light's size, for rounding.
@@ -17,7 +17,8 @@ const ROUNDING: f64 = 1e-6;
 /// for each workgroup.
 #[derive(Debug, Default)]
 pub(super) struct CastersNearSlabs {
-    /// First triangle of a leaf. Its number of triangles is in the low 16 bits, its [`TriangleComponent`] above.
+    /// First triangle of a leaf. Its number of triangles is in the low 16 bits, its
+    /// [`crate::closed_components::TriangleComponent`] above.
     pub leaves: Vec<[u32; 2]>,
     /// Indices of blocks of vertices.
     pub blocks: Vec<u32>,
@@ -33,45 +34,35 @@ impl CastersNearSlabs {
     /// as closed only if the light begins outside the component.
     pub fn new(
         casters: &Casters,
-        (tube, scene_origin): (&Tube<f64>, DVec3),
-        (map, slabs): (&MapShape, &[(MapSlab, [DVec3; 8])]),
+        tube: &Tube<f64>,
+        scene_origin: DVec3,
+        map: &MapShape,
+        slabs: &[BoxedSlab],
         culling: Culling,
     ) -> Self {
-        let slabs: Vec<Planes> =
-            slabs.iter().map(|(slab, _)| Planes::new(slab, tube, scene_origin)).collect();
+        let slabs: Vec<Planes> = slabs.iter().map(|boxed| Planes::new(&boxed.slab, tube, scene_origin)).collect();
         let source = source(tube, scene_origin);
-        let shell_of = |leaf: &ClusterLeaf| {
-            if culling.backs { leaf.component_from(Some(&source)) } else { TriangleComponent::Open }
-        };
         // In units of the light's size, which scales the rounding of its positions.
-        let within = |cluster: &ClusterBounds| {
-            slabs.iter().map(|Planes(planes)| cluster.select_by_planes(planes, 1.0)).max()
-        };
+        let within =
+            |cluster: &ClusterBounds| slabs.iter().map(|Planes(planes)| cluster.select_by_planes(planes, 1.0)).max();
         let clusters = &casters.clusters;
         let mut is_near = vec![false; (casters.vertex_count as usize).div_ceil(VERTICES_PER_BLOCK)];
         let mut near = Self::default();
-        for tree in clusters.casting_trees(map.open_sides()) {
-            tree.select(
-                |cluster| {
-                    if culling.clusters {
-                        within(cluster).unwrap_or(BoxSelection::Skip)
-                    } else {
-                        BoxSelection::TakeAll
-                    }
-                },
-                |leaf| {
-                    let leaf = &clusters.leaves[leaf as usize];
-                    let count = leaf.triangles.len() as u32;
-                    near.leaves.push([leaf.triangles.start, count | (shell_of(leaf) as u32) << 16]);
-                    near.triangles += count;
-                    for &block in clusters.blocks_of(leaf) {
-                        is_near[block as usize] = true;
-                    }
-                },
-            );
-        }
-        near.blocks =
-            (0_u32..).zip(is_near).filter_map(|(block, is_near)| is_near.then_some(block)).collect();
+        clusters.select(
+            map.open_sides(),
+            culling,
+            Some(&source),
+            |cluster| within(cluster).unwrap_or(BoxSelection::Skip),
+            |leaf, component| {
+                let count = leaf.triangles.len() as u32;
+                near.leaves.push([leaf.triangles.start, count | (component as u32) << 16]);
+                near.triangles += count;
+                for &block in clusters.blocks_of(leaf) {
+                    is_near[block as usize] = true;
+                }
+            },
+        );
+        near.blocks = (0_u32..).zip(is_near).filter_map(|(block, is_near)| is_near.then_some(block)).collect();
         near
     }
 }

@@ -10,21 +10,20 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 use light::{FrameMode, Tube};
-use relight::MapSlab;
 use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, ComputePipeline, RenderPipeline};
 
 use super::alpha_tested_draw::AlphaTestedDraw;
 use super::gpu_structs::{BentCounts, BentMap, LEVELS};
 use super::map_shape::MapShape;
 use super::near_slabs::CastersNearSlabs;
-use super::shadow_buffers::{BentMapBuffers, Buffers, Capacity, LEAVES_PER_WINDOW, MapCounts, VERTEX_BYTES};
-use super::slab::{self, SLABS_PER_UNIFORM};
+use super::shadow_buffers::{BentMapBuffers, Buffers, Capacity, LEAVES_PER_WINDOW, MapCounts, mapped_vertices};
+use super::slab::{self, BoxedSlab, SLABS_PER_UNIFORM};
+use super::tube_from_scene;
 use super::wireframe::WireframeTarget;
-use super::{gpu_structs, tube_from_scene};
 use crate::casters::{CasterSet, Casters};
 use crate::gpu_scene::GpuScene;
 use crate::memory::{Evictable, MemoryKind};
-use crate::pipeline::{MapTarget, least_depth_test};
+use crate::pipeline::{DrawPipeline, END_OF_LIGHT, MapTarget, depth_attachment, entire, least_depth_test};
 use crate::shadow_settings::Culling;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
@@ -63,16 +62,7 @@ pub(crate) enum DrawTarget<'a> {
 
 impl BentShadowPass {
     pub fn new(gpu: &Gpu) -> Self {
-        let compute = |wgsl: &str, entry_point| {
-            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(entry_point),
-                layout: None,
-                module: &gpu.shader_module(entry_point, wgsl),
-                entry_point: Some(entry_point),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            })
-        };
+        let compute = |wgsl, entry_point| gpu.compute_pipeline(entry_point, wgsl, entry_point);
         Self {
             vertices: compute(shaders::BENT_MAP_VERTICES, "map_vertices"),
             triangles: compute(shaders::BENT_MAP_TRIANGLES, "map_triangles"),
@@ -86,18 +76,8 @@ impl BentShadowPass {
 
     /// Draws a shadow map. Slabs are drawn in batches, each as large as a uniform holds. If a batch did not fit into
     /// the buffers, all batches are drawn again with larger ones.
-    pub fn render(
-        &self,
-        gpu: &Gpu,
-        work: &mut BentMapBuffers,
-        request: &MapRequest,
-    ) -> Result<(), RenderError> {
-        let &MapRequest { tube, map, shadows, .. } = request;
-        let split_above_texels = f64::from(shadows.split_above_texels());
-        // The tube is 2 wide in v and w.
-        let resolution = 2.0 * map.texels_per_vw();
-        let slabs = |t_range| slab::slabs(tube, (map.t_base(), t_range), resolution, split_above_texels);
-        let slabs = map.t_range().map_or_else(Vec::new, slabs);
+    pub fn render(&self, gpu: &Gpu, work: &mut BentMapBuffers, request: &MapRequest) -> Result<(), RenderError> {
+        let slabs = slab::slabs_of_map(request.tube, request.map, request.shadows);
         // Without casters, one batch without slabs clears the map.
         let turns = || slabs.chunks(SLABS_PER_UNIFORM).chain(slabs.is_empty().then_some(&slabs[..]));
         // The result of a batch of slabs that did not fit is invalid, so all batches start again.
@@ -118,29 +98,26 @@ impl BentShadowPass {
         gpu: &Gpu,
         work: &mut BentMapBuffers,
         request: &MapRequest,
-        slabs: &[(MapSlab, [DVec3; 8])],
+        slabs: &[BoxedSlab],
         first: bool,
     ) -> Result<bool, RenderError> {
         let casters = request.casting.casters;
-        let light = (request.tube, request.scene.posed.origin_in_world);
+        let origin = request.scene.posed.origin_in_world;
         // A wireframe also shows triangles that others hide.
         let culling = match request.onto {
             DrawTarget::Map(_) => request.shadows.culling,
             DrawTarget::Wireframe(_) => Culling { backs: false, ..request.shadows.culling },
         };
-        let near = CastersNearSlabs::new(casters, light, (request.map, slabs), culling);
-        let map = turn_uniforms(work.capacity, request, (slabs, &near));
+        let near = CastersNearSlabs::new(casters, request.tube, origin, request.map, slabs, culling);
+        let map = turn_uniforms(work.capacity, request, slabs, &near);
         let kept = work.buffers.take();
-        let fitting =
-            kept.as_ref().and_then(Evictable::take).filter(|buffers| buffers.fit(casters, work.capacity));
+        let fitting = kept.as_ref().and_then(Evictable::take).filter(|buffers| buffers.fit(casters, work.capacity));
         let (kept, buffers) = match (kept, fitting) {
             (Some(kept), Some(buffers)) => (Some(kept), buffers),
             _ => (None, Buffers::new(gpu, casters, work.capacity)),
         };
-        let mut table: Vec<gpu_structs::Slab> = slabs.iter().map(|slab| (&slab.0).into()).collect();
-        table.resize(SLABS_PER_UNIFORM, gpu_structs::Slab::default());
-        buffers.write(gpu, &table, (&map, &near), request.map);
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        buffers.write(gpu, &slab::padded(slabs), &map, &near, request.map);
+        let mut encoder = gpu.encoder();
         if !slabs.is_empty() {
             self.map(gpu, &mut encoder, (casters, &near), &buffers)?;
             work.yield_point(gpu, &mut encoder)?;
@@ -155,7 +132,7 @@ impl BentShadowPass {
         gpu.end_stage(&mut encoder, FrameStage::Draw)?;
         let counts = readback::copy_for_readback(gpu, &mut encoder, &buffers.counts);
         gpu.queue.submit([encoder.finish()]);
-        let texels = request.map.face_count() as u64 * u64::from(request.map.side()).pow(2);
+        let texels = request.map.face_count() as u64 * u64::from(request.map.side).pow(2);
         let made = MapCounts { counts, triangles: near.triangles, texels: if first { texels } else { 0 } };
         work.buffers = Some(if let Some(kept) = kept {
             kept.put(buffers);
@@ -176,8 +153,7 @@ impl BentShadowPass {
     ) -> Result<(), RenderError> {
         let b = buffers;
         let common = entire(&[&b.uniform, &b.slabs]);
-        let group =
-            |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &common, &entire(rest));
+        let group = |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &common, &entire(rest));
         let vertices = group(&self.vertices, &[&casters.positions, &b.mapped, &b.vertex_slab, &b.blocks]);
         let mapped = [&casters.positions, &b.mapped, &b.vertex_slab, &casters.indices];
         let lists = [&b.whole_indices, &b.work, &b.counts, &b.patches[1]];
@@ -186,8 +162,7 @@ impl BentShadowPass {
             rest.push(b.leaves_from(number));
             (bind(gpu, &self.triangles, &common, &rest), window.len())
         };
-        let windows =
-            near.leaves.chunks(LEAVES_PER_WINDOW).zip(0..).map(|(window, number)| triangles(window, number));
+        let windows = near.leaves.chunks(LEAVES_PER_WINDOW).zip(0..).map(|(window, number)| triangles(window, number));
         let triangles: Vec<_> = windows.collect();
         let next = bind(gpu, &self.next, &common[..1], &entire(&[&b.counts, &b.workgroups]));
         let clip = [&casters.positions, &casters.indices, &b.work, &b.counts, &b.patches[1]];
@@ -200,9 +175,7 @@ impl BentShadowPass {
         let next = |stage| step(stage, &self.next, &next, Some(1));
         let mut steps = vec![step(FrameStage::Vertices, &self.vertices, &vertices, Some(near.blocks.len()))];
         steps.extend(
-            triangles
-                .iter()
-                .map(|(group, count)| step(FrameStage::Triangles, &self.triangles, group, Some(*count))),
+            triangles.iter().map(|(group, count)| step(FrameStage::Triangles, &self.triangles, group, Some(*count))),
         );
         steps.extend([next(FrameStage::Clip), step(FrameStage::Clip, &self.clip, &clip, None)]);
         for level in 1..LEVELS {
@@ -232,25 +205,16 @@ impl BentShadowPass {
         (target, map): (&MapTarget, &MapShape),
         clear: bool,
     ) {
-        let load = if clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
         for (index, (layer, face)) in target.layers.iter().zip(&buffers.faces).enumerate() {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("bent shadow"),
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: layer,
-                    depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
-                    stencil_ops: None,
-                }),
+                depth_stencil_attachment: Some(depth_attachment(layer, clear.then_some(END_OF_LIGHT))),
                 ..Default::default()
             });
             if !map.has_casters(index) {
                 continue;
             }
-            let group = gpu.bind_group(
-                "bent shadow",
-                &self.draw.get_bind_group_layout(0),
-                &[face.as_entire_binding()],
-            );
+            let group = gpu.bind_group("bent shadow", &self.draw.get_bind_group_layout(0), &[face.as_entire_binding()]);
             pass.set_bind_group(0, &group, &[]);
             self.draw_casters(&mut pass, buffers);
             if let Some(tests) = casting.alpha_tests {
@@ -293,11 +257,7 @@ impl ComputeStep<'_> {
     }
 }
 
-fn turn_uniforms(
-    room: Capacity,
-    request: &MapRequest,
-    (slabs, near): (&[(MapSlab, [DVec3; 8])], &CastersNearSlabs),
-) -> BentMap {
+fn turn_uniforms(room: Capacity, request: &MapRequest, slabs: &[BoxedSlab], near: &CastersNearSlabs) -> BentMap {
     let &MapRequest { scene, casting: CasterSet { casters, .. }, tube, map, shadows, .. } = request;
     BentMap {
         face_count: map.face_count() as u32,
@@ -317,35 +277,22 @@ fn turn_uniforms(
 }
 
 /// Makes the part of a batch's uniform that depends on the light and on its slabs.
-pub(super) fn bent_map_uniforms(
-    tube: &Tube<f64>,
-    scene_origin: DVec3,
-    slabs: &[(MapSlab, [DVec3; 8])],
-) -> BentMap {
-    let corners = || slabs.iter().flat_map(|slab| slab.1);
+pub(super) fn bent_map_uniforms(tube: &Tube<f64>, scene_origin: DVec3, slabs: &[BoxedSlab]) -> BentMap {
+    let [box_min, box_max] = slab::bounds(slabs).map(|corner| corner.to_array());
     BentMap {
         tube_from_scene: tube_from_scene(tube, scene_origin),
         up: tube.up.as_vec3().to_array(),
         frame_up: u32::from(tube.frame == FrameMode::Up),
-        box_min: corners().fold(DVec3::INFINITY, DVec3::min).as_vec3().to_array(),
+        box_min,
         slab_count: slabs.len() as u32,
-        box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
+        box_max,
         ..BentMap::default()
     }
 }
 
-fn entire<'a>(buffers: &[&'a Buffer]) -> Vec<BindingResource<'a>> {
-    buffers.iter().map(|buffer| buffer.as_entire_binding()).collect()
-}
-
 /// Makes group 0 of a compute pass: resources that all passes use from binding 0 on, and those of this pass from
 /// binding 2 on.
-fn bind(
-    gpu: &Gpu,
-    pipeline: &ComputePipeline,
-    common: &[BindingResource],
-    rest: &[BindingResource],
-) -> BindGroup {
+fn bind(gpu: &Gpu, pipeline: &ComputePipeline, common: &[BindingResource], rest: &[BindingResource]) -> BindGroup {
     let entries: Vec<_> = (0..)
         .zip(common)
         .chain((2..).zip(rest))
@@ -360,31 +307,11 @@ fn bind(
 
 fn draw_pipeline(gpu: &Gpu) -> RenderPipeline {
     let module = gpu.shader_module("bent shadow", shaders::BENT_SHADOW);
-    let mapped = wgpu::VertexBufferLayout {
-        array_stride: VERTEX_BYTES,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x4],
-    };
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("bent shadow"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vs_bent_shadow"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(mapped)],
-        },
+    gpu.draw_pipeline(DrawPipeline {
+        vertex_buffers: &[Some(mapped_vertices(&wgpu::vertex_attr_array![0 => Float32x4]))],
         // Both sides cast shadows: light hits a surface regardless of its modeled side.
-        primitive: wgpu::PrimitiveState::default(),
+        cull_mode: None,
         depth_stencil: Some(least_depth_test()),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fs_bent_shadow"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[],
-        }),
-        multiview_mask: None,
-        cache: None,
+        ..DrawPipeline::new("bent shadow", &module, "vs_bent_shadow", Some("fs_bent_shadow"))
     })
 }

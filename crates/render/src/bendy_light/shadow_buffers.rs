@@ -1,6 +1,9 @@
 //! Buffers of bent shadow maps. They start small and grow if a scene needs more.
 
-use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages, CommandEncoder};
+use wgpu::{
+    BindingResource, Buffer, BufferBinding, BufferUsages, CommandEncoder, VertexAttribute, VertexBufferLayout,
+    VertexStepMode,
+};
 
 use super::faces::MAX_FACES;
 use super::gpu_structs::{BentCounts, BentMap, BentShadow, Patch, Slab};
@@ -80,8 +83,7 @@ pub(super) struct Buffers {
 
 impl BentMapBuffers {
     pub fn new() -> Self {
-        let capacity =
-            Capacity { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16, masked_vertices: 0 };
+        let capacity = Capacity { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16, masked_vertices: 0 };
         Self { capacity, buffers: None, deferred: None }
     }
 
@@ -167,11 +169,7 @@ impl Capacity {
             u64::from(self.masked_vertices) * VERTEX_BYTES,
         ];
         let size = largest.into_iter().max().unwrap_or(0);
-        if size > limit {
-            let what = "the bent shadow's geometry in bytes";
-            return Err(RenderError::TooLarge { what, size: size as f64, limit: limit as f64 });
-        }
-        Ok(())
+        RenderError::check_size("the bent shadow's geometry in bytes", size, limit)
     }
 }
 
@@ -182,7 +180,12 @@ const WINDOW_BYTES: u64 = 8 * LEAVES_PER_WINDOW as u64;
 const WORK_BYTES: u64 = 12;
 const PATCH_BYTES: u64 = size_of::<Patch>() as u64;
 /// Bytes of a mapped vertex, and of its position in a triangle.
-pub(super) const VERTEX_BYTES: u64 = 16;
+const VERTEX_BYTES: u64 = 16;
+
+/// Returns the layout of a buffer of mapped vertices, or of their positions in triangles.
+pub(super) fn mapped_vertices(attributes: &[VertexAttribute]) -> VertexBufferLayout<'_> {
+    VertexBufferLayout { array_stride: VERTEX_BYTES, step_mode: VertexStepMode::Vertex, attributes }
+}
 
 impl Buffers {
     pub fn new(gpu: &Gpu, casters: &Casters, room: Capacity) -> Self {
@@ -248,16 +251,8 @@ impl Buffers {
 
     pub fn bytes(&self) -> u64 {
         let [even, odd] = &self.patches;
-        let all = [
-            &self.mapped,
-            &self.vertex_slab,
-            &self.blocks,
-            &self.leaves,
-            &self.whole_indices,
-            &self.work,
-            even,
-            odd,
-        ];
+        let all =
+            [&self.mapped, &self.vertex_slab, &self.blocks, &self.leaves, &self.whole_indices, &self.work, even, odd];
         let lists = [&self.split_vertices, &self.masked_vertices, &self.masked_places];
         all.into_iter().chain(lists).map(Buffer::size).sum()
     }
@@ -265,18 +260,11 @@ impl Buffers {
     /// True if a map of these casters can be drawn with these buffers.
     pub fn fit(&self, casters: &Casters, room: Capacity) -> bool {
         let (has, needs) = (self.size, Self::size_for(casters, room));
-        let enough =
-            has.vertices >= needs.vertices && has.triangles >= needs.triangles && has.leaves >= needs.leaves;
+        let enough = has.vertices >= needs.vertices && has.triangles >= needs.triangles && has.leaves >= needs.leaves;
         enough && has.capacity == room
     }
 
-    pub fn write(
-        &self,
-        gpu: &Gpu,
-        slabs: &[Slab],
-        (map, near): (&BentMap, &CastersNearSlabs),
-        shape: &MapShape,
-    ) {
+    pub fn write(&self, gpu: &Gpu, slabs: &[Slab], map: &BentMap, near: &CastersNearSlabs, shape: &MapShape) {
         // Level -1: the first `next_level` makes it 0.
         let counts = BentCounts {
             whole_instance_count: 1,

@@ -1,11 +1,12 @@
 //! Slabs of the tube for the mapping passes: the curve, bounding planes, and bounds for edges that are surely straight.
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4, Vec3};
 use light::{Curve, Tube};
-
 use relight::MapSlab;
 
+use super::map_shape::MapShape;
 use super::{gpu_curve, gpu_structs};
+use crate::ShadowSettings;
 
 /// Slabs in one uniform; `bent_map.wgsl` has the same number. A light with more slabs is mapped in batches.
 pub(crate) const SLABS_PER_UNIFORM: usize = 240;
@@ -21,14 +22,37 @@ const MAX_LOG_SLOPE: f64 = 0.5;
 /// Bounds under which no edge counts as straight: larger than 1 and than any radius. WGSL has no infinity.
 const NEVER_SAFE: [f32; 4] = [1e30; 4];
 
-/// Returns the slabs of `tube` from t = `first` to `last`, each with the corners of its box in tube space. Their t is
-/// relative to `t_base`.
-pub(crate) fn slabs(
-    tube: &Tube<f64>,
-    (t_base, [first, last]): (f64, [f64; 2]),
-    resolution: f64,
-    tolerance_texels: f64,
-) -> Vec<(MapSlab, [DVec3; 8])> {
+/// Slab of a tube, with the corners of its box in tube space.
+pub(super) struct BoxedSlab {
+    pub slab: MapSlab,
+    pub corners: [DVec3; 8],
+}
+
+/// Returns the slabs of the part of a tube that a map shows.
+pub(super) fn slabs_of_map(tube: &Tube<f64>, map: &MapShape, shadows: &ShadowSettings) -> Vec<BoxedSlab> {
+    // The tube is 2 wide in v and w.
+    let resolution = 2.0 * map.texels_per_vw();
+    let tolerance = f64::from(shadows.split_above_texels()) / resolution;
+    map.t_range().map_or_else(Vec::new, |t_range| slabs(tube, map.t_base(), t_range, tolerance))
+}
+
+/// Returns the bounds of slabs in tube space.
+pub(super) fn bounds(slabs: &[BoxedSlab]) -> [Vec3; 2] {
+    let corners = || slabs.iter().flat_map(|boxed| boxed.corners);
+    let (low, high) = (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max));
+    [low.as_vec3(), high.as_vec3()]
+}
+
+/// Returns slabs for `bent_map.wgsl`, padded to the size of its array.
+pub(super) fn padded(slabs: &[BoxedSlab]) -> Vec<gpu_structs::Slab> {
+    let mut padded: Vec<gpu_structs::Slab> = slabs.iter().map(|boxed| (&boxed.slab).into()).collect();
+    padded.resize(SLABS_PER_UNIFORM, gpu_structs::Slab::default());
+    padded
+}
+
+/// Returns the slabs of `tube` from t = `first` to `last`. Their t is relative to `t_base`. `tolerance` is the permitted
+/// deviation of an edge's image, as a share of the map's width.
+pub(super) fn slabs(tube: &Tube<f64>, t_base: f64, [first, last]: [f64; 2], tolerance: f64) -> Vec<BoxedSlab> {
     light::slabs(tube, last, OVERLAP)
         .iter()
         .filter_map(|slab| {
@@ -44,9 +68,9 @@ pub(crate) fn slabs(
                 t_start: (t_start - t_base) as f32,
                 t_span: t_span as f32,
                 planes: planes(&piece),
-                edge_bounds: edge_bounds(tube, &piece, t_span, tolerance_texels / resolution),
+                edge_bounds: edge_bounds(tube, &piece, t_span, tolerance),
             };
-            Some((slab, piece.bounds.corners()))
+            Some(BoxedSlab { slab, corners: piece.bounds.corners() })
         })
         .collect()
 }
@@ -64,9 +88,7 @@ impl From<&MapSlab> for gpu_structs::Slab {
 fn planes(piece: &Curve<f64>) -> [[f32; 4]; 6] {
     let through = |point: DVec3, inward: DVec3| inward.extend(-inward.dot(point)).as_vec4().to_array();
     let b = &piece.bounds;
-    let side = |axis: usize, sign: f64| {
-        through(b.center + b.axes[axis] * (sign * b.half[axis]), b.axes[axis] * -sign)
-    };
+    let side = |axis: usize, sign: f64| through(b.center + b.axes[axis] * (sign * b.half[axis]), b.axes[axis] * -sign);
     [
         through(piece.b0, piece.u_hat(0.0)),
         through(piece.b2, -piece.u_hat(1.0)),
@@ -111,9 +133,9 @@ fn edge_bounds(tube: &Tube<f64>, piece: &Curve<f64>, t_span: f64, tolerance: f64
             let h_t = DVec2::new(pull, 2.0 * turn) / sigma;
             let h_r = DVec2::new((2.0 * piece.ar).abs(), 0.0) + piece.radius_derivative(u).abs() * h_t;
             let across = DVec2::new(turn * sigma, 0.0) + rim * h_r;
-            let strays = across.max(h_t * sigma) / (16.0 * tolerance);
+            let deviation = across.max(h_t * sigma) / (16.0 * tolerance);
             let uneven = h_t / MAX_LOG_SLOPE;
-            worst = worst.max(DVec4::new(strays.x, strays.y, uneven.x, uneven.y));
+            worst = worst.max(DVec4::new(deviation.x, deviation.y, uneven.x, uneven.y));
         }
     }
     let of_t = DVec4::new(1.0 / (t_span * t_span), 1.0 / t_span, 1.0 / t_span, 1.0);

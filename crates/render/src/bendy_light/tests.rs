@@ -4,7 +4,7 @@
 
 mod device;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use light::parameters::{CONE_ANGLE, DECAY, DIRECTION, RANGE, ROTATION, TRANSLATION};
@@ -13,8 +13,7 @@ use scene::{Camera, Material, Mesh, Node, PosedPrimitive, Primitive, Projection,
 
 use super::walk;
 use crate::{
-    Aov, Backend, Culling, FrameStage, Gpu, MemoryBudget, Picture, Renderer, ShadowFilter, ShadowSettings,
-    View,
+    Aov, Backend, Culling, FrameStage, Gpu, MemoryBudget, Picture, Renderer, ShadowFilter, ShadowSettings, View,
 };
 
 /// Settings without edge splitting.
@@ -51,6 +50,13 @@ pub(super) fn cube() -> Primitive {
     primitive
 }
 
+/// Adds a mesh of one primitive, with its transform.
+pub(crate) fn add_mesh(scene: &mut Scene, primitive: Primitive, parent_from_local: DAffine3) {
+    let (name, mesh) = (String::new(), Some(scene.meshes.len()));
+    scene.meshes.push(Mesh { name: name.clone(), primitives: vec![primitive] });
+    scene.nodes.push(Node { name, parent: None, parent_from_local, mesh });
+}
+
 /// Returns a floor of two large triangles and three long boxes in the light. Every edge is longer than the tube is
 /// wide.
 fn scene() -> Scene {
@@ -65,9 +71,8 @@ fn scene() -> Scene {
         place((0.1, 0.7, 0.1), 0.9, (1.0, 0.2, -0.6)),
     ];
     let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
-    for (mesh, parent_from_local) in parts.into_iter().enumerate() {
-        scene.meshes.push(Mesh { name: String::new(), primitives: vec![cube()] });
-        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
+    for placement in parts {
+        add_mesh(&mut scene, cube(), placement);
     }
     scene.check().expect("sound");
     scene
@@ -105,17 +110,17 @@ pub(crate) fn renderer(scene: &Scene) -> Renderer {
     renderer_of(Backend::Wgpu, scene)
 }
 
-/// Returns a renderer with shadows and lights drawn by `backend`.
+/// Returns a renderer with shadows and lights drawn by `backend`. All share their pipelines: compiling takes longer than
+/// drawing.
 pub(crate) fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
-    static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
-    let gpu = GPUS[backend as usize].get_or_init(|| {
-        let gpu = Gpu::open(MemoryBudget::default(), Some(backend));
-        Arc::new(gpu.expect("tests need a graphics driver"))
+    static FIRST: [OnceLock<Mutex<Renderer>>; 2] = [const { OnceLock::new() }; 2];
+    let first = FIRST[backend as usize].get_or_init(|| {
+        let gpu = Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
+        Mutex::new(Renderer::new(Arc::new(gpu)).expect("the device works"))
     });
-    let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
-    renderer
-        .set_shadow_settings(ShadowSettings { straighten: false, ..ShadowSettings::default() })
-        .expect("sound");
+    let first = first.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut renderer = first.with_same_pipelines().expect("the device works");
+    renderer.set_shadow_settings(ShadowSettings { straighten: false, ..ShadowSettings::default() }).expect("sound");
     renderer.set_scene(&scene::pose(scene.clone())).expect("fits");
     renderer
 }
@@ -179,16 +184,8 @@ impl Setup {
         let judged = |seen: &PixelInLight| {
             let at = |v: f64, w: f64| seen.is_lit(&self.tube, [v * texels, w * texels]);
             let lit = at(0.0, 0.0);
-            let around = [
-                (-1.0, -1.0),
-                (-1.0, 1.0),
-                (1.0, -1.0),
-                (1.0, 1.0),
-                (-1.0, 0.0),
-                (1.0, 0.0),
-                (0.0, 1.0),
-                (0.0, -1.0),
-            ];
+            let around =
+                [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, -1.0)];
             around.iter().all(|&(v, w)| at(v, w) == lit).then_some((seen.pixel, lit))
         };
         seen.iter().filter_map(judged).collect()
@@ -220,21 +217,15 @@ pub(super) fn differing(walked: &[(usize, bool)], visibility: &Picture) -> usize
 #[test]
 fn bent_shadows_are_where_the_paths_say() {
     // The GPU draws depths with either backend.
-    let [walked, mirrored] = [1.0, -1.0]
-        .map(|w_sign| Setup::new(Backend::Wgpu).traced_pixels(w_sign, ShadowSettings::default().resolution));
+    let [walked, mirrored] =
+        [1.0, -1.0].map(|w_sign| Setup::new(Backend::Wgpu).traced_pixels(w_sign, ShadowSettings::default().resolution));
     let lit = walked.iter().filter(|(_, lit)| *lit).count();
     assert!(walked.len() >= 500 && lit > 100 && walked.len() - lit > 100, "{lit} of {} lit", walked.len());
     for backend in BACKENDS {
         let mut setup = Setup::new(backend);
         let visibility = setup.picture(Aov::Visibility);
         let wrong: Vec<_> = walked.iter().filter(|w| differing(&[**w], &visibility) > 0).collect();
-        assert!(
-            wrong.is_empty(),
-            "{backend:?}: {} of {} differ: {:?}",
-            wrong.len(),
-            walked.len(),
-            &wrong[..wrong.len().min(9)]
-        );
+        assert!(wrong.is_empty(), "{backend:?}: {} of {} differ: {wrong:?}", wrong.len(), walked.len());
 
         // Deliberate fault that the check must detect: a sign error in w.
         let fault = differing(&mirrored, &visibility);
@@ -293,13 +284,9 @@ fn a_lone_plane_never_shadows_itself() {
     floor.indices = tops.copied().collect();
     assert_eq!(floor.indices.len(), 6);
 
-    let lights: Vec<_> = bent_spots()
-        .into_iter()
-        .flat_map(|light| {
-            [DirectionMode::Tube, DirectionMode::Path]
-                .map(|direction| light.clone().with(DIRECTION, direction))
-        })
-        .collect();
+    let modes = [DirectionMode::Tube, DirectionMode::Path];
+    let lights = bent_spots().into_iter().flat_map(|light| modes.map(|mode| light.clone().with(DIRECTION, mode)));
+    let lights: Vec<_> = lights.collect();
     assert!(lights.len() >= 30, "{}", lights.len());
     for backend in BACKENDS {
         let mut renderer = renderer_of(backend, &scene);
@@ -325,8 +312,7 @@ fn every_setting_leaves_a_lone_plane_lit() {
         for (filter, (resolution, edge_error_texels)) in
             ShadowFilter::ALL.into_iter().flat_map(|filter| maps.map(|map| (filter, map)))
         {
-            let settings =
-                ShadowSettings { resolution, edge_error_texels, filter, ..ShadowSettings::default() };
+            let settings = ShadowSettings { resolution, edge_error_texels, filter, ..ShadowSettings::default() };
             renderer.set_shadow_settings(settings).expect("sound");
             assert_eq!(self_shadowed(&mut renderer, light), 0, "{backend:?}: {settings:?}");
         }
@@ -366,14 +352,14 @@ fn settings_draw_anew() {
 /// no stage.
 #[test]
 fn a_frame_by_stages_is_the_frame() {
+    use FrameStage::{Clip, Counts, Display, Fill, Readback, Sum, Surfaces};
     // Few lights need no sums. The GPU lights the pixels that it draws. The CPU clips and draws in one stage, adds the
     // fill on display, and needs no readback.
-    let by_device =
-        (vec![FrameStage::Sum, FrameStage::Surfaces], vec![FrameStage::Display, FrameStage::Readback]);
-    let not_by_processor =
-        [FrameStage::Sum, FrameStage::Clip, FrameStage::Counts, FrameStage::Fill, FrameStage::Readback];
-    let by_processor = (not_by_processor.to_vec(), vec![FrameStage::Display]);
-    for (backend, (not_run, ever_again)) in BACKENDS.into_iter().zip([by_device, by_processor]) {
+    let cases: [(_, &[_], &[_]); 2] = [
+        (Backend::Wgpu, &[Sum, Surfaces], &[Display, Readback]),
+        (Backend::Native, &[Sum, Clip, Counts, Fill, Readback], &[Display]),
+    ];
+    for (backend, not_run, ever_again) in cases {
         let mut setup = Setup::new(backend);
         let view = view(Aov::Beauty);
         let whole = setup.renderer.render_display(&view, &setup.lights).expect("drawn");
@@ -392,7 +378,7 @@ fn a_frame_by_stages_is_the_frame() {
 
 /// Texels of a map are small where the tube is thin. A wall along the tube is split finely only where it is on the map.
 #[test]
-fn what_no_texel_shows_is_not_split() {
+fn edges_on_no_texel_are_not_split() {
     let mut scene = scene();
     // A wall beside the light's axis, twice as high as the light is long.
     let across = DAffine3::from_scale_rotation_translation(

@@ -2,13 +2,12 @@
 
 use std::mem::offset_of;
 
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, CommandEncoder, RenderPipeline, TextureView};
 
 use super::gpu_structs::{BentCounts, Wireframe};
 use super::map_shape::MapShape;
 use super::shadow_buffers::Buffers;
-use crate::pipeline::{DEPTH_FORMAT, color_attachment};
+use crate::pipeline::{DrawPipeline, END_OF_LIGHT, color_attachment, depth_attachment, depth_test, entire};
 use crate::{Gpu, lighting, shaders};
 
 /// Pipelines that draw a bent shadow map's triangles as a wireframe. All scenes and lights share them.
@@ -33,33 +32,11 @@ impl WireframePass {
     pub fn new(gpu: &Gpu) -> Self {
         let module = gpu.shader_module("wireframe", shaders::WIREFRAME);
         let pipeline = |vertex| {
-            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(vertex),
-                layout: None,
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some(vertex),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(true),
-                    // Casters at the very end of the light are drawn, too.
-                    depth_compare: Some(wgpu::CompareFunction::LessEqual),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                }),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("fs_wireframe"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(lighting::FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
+            gpu.draw_pipeline(DrawPipeline {
+                // Casters at the very end of the light are drawn, too.
+                depth_stencil: Some(depth_test(wgpu::CompareFunction::LessEqual)),
+                targets: &[Some(lighting::FORMAT.into())],
+                ..DrawPipeline::new(vertex, &module, vertex, Some("fs_wireframe"))
             })
         };
         Self { whole: pipeline("vs_whole"), split: pipeline("vs_split") }
@@ -78,33 +55,24 @@ impl WireframeTarget<'_> {
     ) {
         let [width, height] = self.size.map(|side| side as f32);
         let shorter = width.min(height);
-        let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("wireframe"),
-            contents: bytemuck::bytes_of(&Wireframe {
-                clip_per_vw: [shorter / width, shorter / height],
-                t_start: self.t_of_light[0] as f32,
-                t_span: self.t_of_light[1] as f32,
-                map_t_base: shape.t_base() as f32,
-                map_t_span: shape.t_span() as f32,
-            }),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
+        let uniform = Wireframe {
+            clip_per_vw: [shorter / width, shorter / height],
+            t_start: self.t_of_light[0] as f32,
+            t_span: self.t_of_light[1] as f32,
+            map_t_base: shape.t_base() as f32,
+            map_t_span: shape.t_span() as f32,
+        };
+        let uniform = gpu.uniform_with("wireframe", &uniform);
         let group = |pipeline: &RenderPipeline, buffers: &[&Buffer]| {
-            let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-            gpu.bind_group("wireframe", &pipeline.get_bind_group_layout(0), &buffers)
+            gpu.bind_group("wireframe", &pipeline.get_bind_group_layout(0), &entire(buffers))
         };
         let whole = group(&self.pass.whole, &[&uniform, &mapped.mapped, &mapped.whole_indices]);
         let [split, masked] = [&mapped.split_vertices, &mapped.masked_vertices]
             .map(|vertices| group(&self.pass.split, &[&uniform, vertices]));
-        let load = if clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("wireframe"),
             color_attachments: &[Some(color_attachment(self.color, clear))],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: self.depth,
-                depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: Some(depth_attachment(self.depth, clear.then_some(END_OF_LIGHT))),
             ..Default::default()
         });
         pass.set_pipeline(&self.pass.whole);

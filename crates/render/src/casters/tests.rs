@@ -5,10 +5,10 @@ use std::f64::consts::{PI, TAU};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, END_MODE, RANGE, ROTATION, TRANSLATION};
 use light::{Decay, EndMode, Light, LightInstance, Tube};
-use scene::{MapScale, Material, Mesh, Node, Primitive, Scene};
+use scene::{MapScale, Material, Primitive, Scene};
 
 use super::{MAX_TO_RMS_ERROR, simplify};
-use crate::bendy_light::tests::{alone, position, renderer, view};
+use crate::bendy_light::tests::{add_mesh, alone, position, renderer, view};
 use crate::bendy_light::walk;
 use crate::{Aov, Renderer, ShadowSettings, View};
 
@@ -55,11 +55,9 @@ fn square(side: u32) -> Primitive {
 
 fn scene_of<const N: usize>(parts: [(Primitive, f64, DVec3); N]) -> Scene {
     let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
-    for (mesh, (primitive, scale, at)) in parts.into_iter().enumerate() {
-        let parent_from_local =
-            DAffine3::from_scale_rotation_translation(DVec3::splat(scale), DQuat::IDENTITY, at);
-        scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
-        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
+    for (primitive, scale, at) in parts {
+        let placement = DAffine3::from_scale_rotation_translation(DVec3::splat(scale), DQuat::IDENTITY, at);
+        add_mesh(&mut scene, primitive, placement);
     }
     scene.check().expect("sound");
     scene
@@ -108,23 +106,18 @@ fn settings(mesh_error: f64) -> ShadowSettings {
 }
 
 /// Makes casters with one mesh error while lookups assume another.
-fn plant(renderer: &mut Renderer, told: f64, made: f64) {
+fn plant(renderer: &mut Renderer, assumed: f64, made: f64) {
     // Both settings discard the maps drawn before.
-    for mesh_error in [made, told] {
+    for mesh_error in [made, assumed] {
         renderer.set_shadow_settings(settings(mesh_error)).expect("sound");
     }
     let (gpu, scene) = renderer.gpu_scene();
     scene.casters = scene.casters_within(gpu, made).expect("made").into();
 }
 
-/// Returns the number of lit and dark floor points in the light, and number of wrong ones whose light path passes the
-/// ball's edge by more than `slack`.
-fn floor(renderer: &mut Renderer, lights: &(Light, Light), slack: f64) -> ([usize; 2], usize) {
-    floor_by(renderer, MapScale::Full, lights, slack)
-}
-
-/// Returns the same, with maps of a given scale.
-pub(crate) fn floor_by(
+/// Returns the number of dark and lit floor points in the light, and number of wrong ones whose light path passes the
+/// ball's edge by more than `slack`, with maps of a given scale.
+pub(crate) fn floor(
     renderer: &mut Renderer,
     shadow_map: MapScale,
     (light, bent): &(Light, Light),
@@ -136,19 +129,17 @@ pub(crate) fn floor_by(
     let (mut counts, mut wrong) = ([0; 2], 0);
     for (pixel, seen) in visibility.pixels.iter().enumerate().filter(|(_, seen)| seen[3] == 1.0) {
         let point = position(&view(Aov::Depth), &depth, pixel);
-        let Some(root) = tube.nearest_root(tube.placement.tube_from_world(point)).filter(|_| point.y < 1e-4)
-        else {
+        let Some(root) = tube.nearest_root(tube.placement.tube_from_world(point)).filter(|_| point.y < 1e-4) else {
             continue;
         };
         let (v, w) = (root.v_len / root.radius, root.w_len / root.radius);
         let t = root.segment as f64 + root.u;
-        let on_path =
-            |k: u32| tube.placement.world_from_tube(walk::point_at(&tube, t * f64::from(k) / 1000.0, v, w));
+        let on_path = |k: u32| tube.placement.world_from_tube(walk::point_at(&tube, t * f64::from(k) / 1000.0, v, w));
         let nearest = (0..=1000).map(|k| on_path(k).distance(CENTRE)).fold(f64::INFINITY, f64::min);
-        let past = nearest - RADIUS;
-        if past.abs() > slack {
-            counts[usize::from(past > 0.0)] += 1;
-            wrong += usize::from(seen[0] != if past > 0.0 { 1.0 } else { 0.0 });
+        let outside = nearest - RADIUS;
+        if outside.abs() > slack {
+            counts[usize::from(outside > 0.0)] += 1;
+            wrong += usize::from(seen[0] != if outside > 0.0 { 1.0 } else { 0.0 });
         }
     }
     (counts, wrong)
@@ -168,8 +159,15 @@ fn shadowed(renderer: &mut Renderer, light: &Light, on: impl Fn(DVec3) -> bool) 
             && vector(&direction, pixel).dot(vector(&normal, pixel)) > 0.1
             && on(position(&view(Aov::Depth), &depth, pixel))
     };
-    let met: Vec<_> = (0..visibility.pixels.len()).filter(facing).collect();
-    (met.len(), met.iter().filter(|&&pixel| visibility.pixels[pixel][0] < 1.0).count())
+    let reached: Vec<_> = (0..visibility.pixels.len()).filter(facing).collect();
+    (reached.len(), reached.iter().filter(|&&pixel| visibility.pixels[pixel][0] < 1.0).count())
+}
+
+/// Asserts that no pixel `on` a part of the scene is in shadow, of more than `least` that light reaches.
+fn assert_lit(renderer: &mut Renderer, light: &Light, least: usize, on: impl Fn(DVec3) -> bool) {
+    let (reached, false_shadow) = shadowed(renderer, light, on);
+    let mesh_error = renderer.shadow_maps.shadows().mesh_error;
+    assert!(reached > least && false_shadow == 0, "{false_shadow} of {reached} at {mesh_error}, {light:?}");
 }
 
 /// Far fewer triangles cast the ball's shadow, within the error of its position, and the lit side stays lit.
@@ -184,18 +182,16 @@ fn a_simplified_ball_casts_its_shadow() {
     assert!((100..before / 10).contains(&after), "{after} of {before} triangles");
     assert!(scene.casters.vertex_count < after, "none that no triangle has");
     for light in &lights() {
-        let ([dark, lit], wrong) = floor(&mut renderer, light, slack);
+        let ([dark, lit], wrong) = floor(&mut renderer, MapScale::Full, light, slack);
         assert!(dark > 500 && lit > 500, "{dark} dark, {lit} lit");
         assert_eq!(wrong, 0, "{:?}", light.0);
-        let (met, false_shadow) = shadowed(&mut renderer, &light.0, |point| point.y > 1.0);
-        assert!(met > 300, "{met}");
-        assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0);
+        assert_lit(&mut renderer, &light.0, 300, |point| point.y > 1.0);
     }
 
     // Deliberate fault that the check must detect: ten times the error.
     plant(&mut renderer, MESH_ERROR, 10.0 * MESH_ERROR);
     for light in &lights() {
-        assert!(floor(&mut renderer, light, slack).1 > 0, "a coarse ball went unseen");
+        assert!(floor(&mut renderer, MapScale::Full, light, slack).1 > 0, "a coarse ball went unseen");
     }
 }
 
@@ -206,14 +202,12 @@ fn a_simplified_bowl_stays_lit() {
     for light in &lights() {
         for error in [0.5 * MESH_ERROR, 3.0 * MESH_ERROR] {
             renderer.set_shadow_settings(settings(error)).expect("sound");
-            let (met, false_shadow) = shadowed(&mut renderer, &light.0, |_| true);
-            assert!(met > 2000, "{met}");
-            assert_eq!(false_shadow, 0, "of {met} at {error}, {:?}", light.0);
+            assert_lit(&mut renderer, &light.0, 2000, |_| true);
         }
         // Deliberate fault that the check must detect: lookups that assume no error, or a tenth of it.
-        for told in [0.0, MESH_ERROR] {
-            plant(&mut renderer, told, 10.0 * MESH_ERROR);
-            assert!(shadowed(&mut renderer, &light.0, |_| true).1 > 100, "told {told}");
+        for assumed in [0.0, MESH_ERROR] {
+            plant(&mut renderer, assumed, 10.0 * MESH_ERROR);
+            assert!(shadowed(&mut renderer, &light.0, |_| true).1 > 100, "assumed {assumed}");
         }
     }
 }
@@ -226,15 +220,13 @@ fn a_simplified_plane_stays_lit() {
     let left = renderer.gpu_scene().1.casters.triangle_count;
     assert!(left < 20, "{left} of 3,200 triangles");
     for light in &lights() {
-        let (met, false_shadow) = shadowed(&mut renderer, &light.0, |_| true);
-        assert!(met > 2000, "{met}");
-        assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0);
+        assert_lit(&mut renderer, &light.0, 2000, |_| true);
     }
 }
 
 /// With error 0, maps use the scene's own triangles, before and after a setting with an error.
 #[test]
-fn without_an_error_nothing_strays() {
+fn without_an_error_maps_use_the_scenes_triangles() {
     let mut renderer = renderer(&ball());
     let triangles = |renderer: &mut Renderer| {
         let scene = renderer.gpu_scene().1;
@@ -287,7 +279,7 @@ fn farthest(mesh: &super::Mesh) -> f64 {
 /// Every point of the simplified mesh is within the permitted distance of the sphere. With the mean taken for the
 /// maximum it is not.
 #[test]
-fn what_is_left_strays_no_farther_than_it_may() {
+fn simplified_meshes_stay_within_the_error() {
     for primitive in [sphere(PI, 96, 192, false), sphere(PI / 4.0, 96, 192, true)] {
         let positions: Vec<_> = primitive.positions.iter().map(Vec3::to_array).collect();
         let left = |error: f64| simplify(&positions, (&primitive.indices, &[]), error);
@@ -295,10 +287,7 @@ fn what_is_left_strays_no_farther_than_it_may() {
             let mesh = left(error);
             assert!(mesh.indices.len() * 4 < primitive.indices.len(), "{error}: {}", mesh.indices.len());
             assert!(farthest(&mesh) < error, "{error}: {}", farthest(&mesh));
-            assert!(
-                farthest(&left(MAX_TO_RMS_ERROR * error)) > error,
-                "{error}: the planted fault went unseen"
-            );
+            assert!(farthest(&left(MAX_TO_RMS_ERROR * error)) > error, "{error}: the planted fault went unseen");
         }
         // Below f32 precision: all triangles remain but those without area at the poles.
         let least = left(1e-4).indices.len();
@@ -308,13 +297,12 @@ fn what_is_left_strays_no_farther_than_it_may() {
 
 /// Alpha-tested triangles stay unchanged, and degenerate triangles are harmless.
 #[test]
-fn what_cannot_be_simplified_stays() {
+fn alpha_tested_and_degenerate_triangles_are_not_simplified() {
     let primitive = sphere(PI, 24, 48, false);
     let positions: Vec<_> = primitive.positions.iter().map(Vec3::to_array).collect();
-    let corners =
-        |mesh: &super::Mesh| mesh.indices.iter().map(|&k| mesh.positions[k as usize]).collect::<Vec<_>>();
-    let masked = simplify(&positions, (&[], &primitive.indices), 0.1);
-    assert_eq!((masked.opaque_indices, corners(&masked)), (0, positions.clone()));
+    let corners = |mesh: &super::Mesh| mesh.indices.iter().map(|&k| mesh.positions[k as usize]).collect::<Vec<_>>();
+    let alpha_tested = simplify(&positions, (&[], &primitive.indices), 0.1);
+    assert_eq!((alpha_tested.opaque_indices, corners(&alpha_tested)), (0, positions.clone()));
     let (opaque, rest) = primitive.indices.split_at(primitive.indices.len() / 2);
     let both = simplify(&positions, (opaque, rest), 0.1);
     assert!(both.opaque_indices > 0 && both.opaque_indices < opaque.len() / 2);
@@ -325,8 +313,6 @@ fn what_cannot_be_simplified_stays() {
     let line = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
     for error in [f64::MIN_POSITIVE, 1.0, f64::MAX] {
         assert!(simplify(&line, (&[0, 1, 2], &[]), error).indices.len() <= 3);
-        assert!(
-            simplify(&positions, (&primitive.indices, &[]), error).indices.len() < primitive.indices.len()
-        );
+        assert!(simplify(&positions, (&primitive.indices, &[]), error).indices.len() < primitive.indices.len());
     }
 }

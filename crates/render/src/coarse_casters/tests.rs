@@ -8,7 +8,7 @@ use light::parameters::TRANSLATION;
 use scene::{MapScale, ViewSlot};
 
 use crate::bendy_light::tests::{alone, renderer, view};
-use crate::casters::tests::{ball_over, floor_by, lights};
+use crate::casters::tests::{ball_over, floor, lights};
 use crate::{Aov, Picture, Renderer, View};
 
 /// Half the side of a floor that contains the ball's shadow.
@@ -34,30 +34,31 @@ fn draw(renderer: &mut Renderer, view: &View, light: &Light) -> Picture {
     renderer.render(view, &alone(light)).expect("drawn")
 }
 
-fn drag_until_made(renderer: &mut Renderer, light: &Light) {
+/// Returns a renderer whose coarse casters are made, after a drag of the returned light.
+fn with_coarse_casters() -> (Renderer, Light) {
+    let (mut renderer, (light, _)) = (fresh(), lights()[2].clone());
     let since = Instant::now();
     for k in 0.. {
-        draw(renderer, &half(Aov::Visibility), &dragged(light, k));
+        draw(&mut renderer, &half(Aov::Visibility), &dragged(&light, k));
         if renderer.coarse_casters().made().is_some() {
-            return;
+            break;
         }
         assert!(since.elapsed() < AT_MOST, "no coarse casters after {k} pictures");
     }
+    (renderer, light)
 }
 
 /// Replaces the casters with ones of a hundred times the error.
 fn plant(renderer: &mut Renderer) {
     let (gpu, scene) = renderer.gpu_scene();
-    let strayed = scene.casters_within(gpu, 0.2).expect("made");
-    renderer.coarse_casters().made().expect("made").casters = strayed;
+    let coarser = scene.casters_within(gpu, 0.2).expect("made");
+    renderer.coarse_casters().made().expect("made").casters = coarser;
 }
 
 /// Coarse maps use fewer triangles, and shadows move by no more than the permitted error. Full maps use all triangles.
 #[test]
 fn coarse_maps_are_of_fewer_triangles() {
-    let mut renderer = fresh();
-    let (light, bent) = &lights()[2];
-    drag_until_made(&mut renderer, light);
+    let (mut renderer, light) = with_coarse_casters();
     let all = renderer.gpu_scene().1.casters.triangle_count;
     let coarse = renderer.coarse_casters().made().expect("made");
     let (count, mesh_error) = (coarse.casters.triangle_count, coarse.mesh_error);
@@ -66,48 +67,38 @@ fn coarse_maps_are_of_fewer_triangles() {
 
     // Three texels of the map, 2 R / 1024 wide with R at most 2.3, and the casters' error. The light moves by far less.
     let slack = mesh_error + 3.0 * 2.3 / 512.0;
-    let pair = (dragged(light, 1_000_000), bent.clone());
-    let ([dark, lit], wrong) = floor_by(&mut renderer, MapScale::Half, &pair, slack + 1e-3);
+    let pair = (dragged(&light, 1_000_000), light.clone());
+    let ([dark, lit], wrong) = floor(&mut renderer, MapScale::Half, &pair, slack + 1e-3);
     assert!(dark > 500 && lit > 500, "{dark} dark, {lit} lit");
     assert_eq!(wrong, 0);
 
     plant(&mut renderer);
-    let pair = (dragged(light, 2_000_000), bent.clone());
-    assert!(
-        floor_by(&mut renderer, MapScale::Half, &pair, slack + 2e-3).1 > 0,
-        "the planted fault went unseen"
-    );
-    let exact = draw(&mut fresh(), &view(Aov::Visibility), light);
-    assert_eq!(draw(&mut renderer, &view(Aov::Visibility), light), exact);
+    let pair = (dragged(&light, 2_000_000), light.clone());
+    assert!(floor(&mut renderer, MapScale::Half, &pair, slack + 2e-3).1 > 0, "the planted fault went unseen");
+    let exact = draw(&mut fresh(), &view(Aov::Visibility), &light);
+    assert_eq!(draw(&mut renderer, &view(Aov::Visibility), &light), exact);
 }
 
 /// A map with texels so fine that the error would show uses the scene's own triangles.
 #[test]
 fn narrow_lights_have_exact_casters() {
-    let mut renderer = fresh();
-    let (wide, _) = &lights()[2];
-    drag_until_made(&mut renderer, wide);
+    let (mut renderer, wide) = with_coarse_casters();
     plant(&mut renderer);
     let narrow = wide.clone().map_points(|_, point| point.radius *= 0.2);
     let mut other = fresh();
     let exact = draw(&mut other, &half(Aov::Visibility), &narrow);
     assert_eq!(draw(&mut renderer, &half(Aov::Visibility), &narrow), exact);
     // The wide light shows the changed casters.
-    let moved = dragged(wide, 1_000_000);
-    assert_ne!(
-        draw(&mut renderer, &half(Aov::Visibility), &moved),
-        draw(&mut other, &half(Aov::Visibility), &moved)
-    );
+    let moved = dragged(&wide, 1_000_000);
+    assert_ne!(draw(&mut renderer, &half(Aov::Visibility), &moved), draw(&mut other, &half(Aov::Visibility), &moved));
 }
 
 /// Casters of a replaced scene are freed.
 #[test]
 fn another_scene_gives_their_memory_back() {
-    let mut renderer = fresh();
-    let (light, _) = &lights()[2];
-    drag_until_made(&mut renderer, light);
+    let (mut renderer, light) = with_coarse_casters();
     renderer.set_scene(&scene::pose(ball_over(FLOOR))).expect("fits");
-    draw(&mut renderer, &view(Aov::Visibility), light);
+    draw(&mut renderer, &view(Aov::Visibility), &light);
     assert!(renderer.coarse_casters().made().is_none());
 }
 

@@ -11,6 +11,7 @@ use super::{CheckedPicture, Renderer, read_display_texture};
 use crate::layers::{self, LayerWork};
 use crate::native_layers::NativeLayers;
 use crate::pass_runs::{Cause, Pass};
+use crate::passes::DrawContext;
 use crate::pause::{DrawnPiece, Pause};
 use crate::stages::FrameStage;
 use crate::targets::Targets;
@@ -64,7 +65,7 @@ impl Renderer {
     ) -> Result<Poll<Vec<u8>>, RenderError> {
         if !self.keeps_layers(view, lights.len()) {
             let whole = self.with_whole(view, Aov::Beauty, lights, |renderer, gpu, targets| {
-                renderer.read_display(gpu, targets, (targets.size, view.exposure))
+                renderer.read_display(gpu, targets, targets.size, view.exposure)
             });
             return whole.map(Poll::Ready);
         }
@@ -118,16 +119,15 @@ impl Renderer {
         targets.begin(scene.revision, &of_fill, tile, &[]);
         let uniform = raster.uniform(DVec2::ZERO, 1.0, view.fill, scene.posed.origin_in_world, [0, 0])?;
         gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
+        let context = DrawContext { gpu, passes, scene, raster, tile };
         let mut encoder = gpu.encoder();
         if targets.samples_drawn == 0 {
-            let onto = (raster, tile);
-            let drawn = targets.draw_gbuffer(gpu, &mut encoder, (passes, scene), onto, DVec2::ZERO)?;
+            let drawn = targets.draw_gbuffer(&context, &mut encoder, DVec2::ZERO)?;
             if let Some(cause) = drawn {
                 ran.note(Pass::Gbuffer, None, cause);
             }
             gpu.end_stage(&mut encoder, FrameStage::Gbuffer)?;
-            let onto = (view.aov, tile);
-            targets.draw_lighting(gpu, &mut encoder, (passes, scene), onto, (true, true), &[])?;
+            targets.draw_lighting(&context, &mut encoder, view.aov, true, true, &[])?;
             ran.note(Pass::Lighting, None, drawn.unwrap_or(Cause::NotKept));
             targets.samples_drawn = 1;
             if let Some(pause) = pause {
@@ -138,11 +138,11 @@ impl Renderer {
             }
         }
         let (shadow_map, size) = (view.shadow_map, targets.size);
-        let mut work = LayerWork { gpu, scene, raster, size, shadow_map, shadow_maps, pass_runs: ran, pause };
-        let Poll::Ready(terms) = targets.draw_layers(&mut encoder, passes, &mut work, lights)? else {
+        let mut work = LayerWork { context, size, shadow_map, shadow_maps, pass_runs: ran, pause };
+        let Poll::Ready(terms) = targets.draw_layers(&mut encoder, &mut work, lights)? else {
             return Ok(Poll::Pending);
         };
-        targets.draw_display(gpu, &mut encoder, passes, (terms.as_ref(), view.exposure));
+        targets.draw_display(gpu, &mut encoder, passes, terms.as_ref(), view.exposure);
         gpu.end_stage(&mut encoder, FrameStage::Display)?;
         gpu.queue.submit([encoder.finish()]);
         self.pass_runs.note(Pass::Display, None, Cause::NotKept);

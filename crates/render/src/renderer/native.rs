@@ -2,7 +2,6 @@
 
 use std::task::Poll;
 
-use glam::DVec2;
 use light::LightInstance;
 
 use super::{CheckedPicture, Renderer};
@@ -10,6 +9,7 @@ use crate::camera::sample_offset;
 use crate::layers::LayerWork;
 use crate::native_map::NativeMaps;
 use crate::pass_runs::{Cause, Pass};
+use crate::passes::DrawContext;
 use crate::pause::{DrawnPiece, Pause};
 use crate::stages::FrameStage;
 use crate::targets::Targets;
@@ -17,24 +17,26 @@ use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, display, gpu_structs};
 
 impl Renderer {
-    /// Unpacks the surfaces of `tile` for the sample with that offset and weight. Returns the camera uniform. Pending
+    /// Unpacks the surfaces of `tile` for the sample with that index. Returns the camera uniform. Pending
     /// if the picture pauses after the device has drawn the G-buffer.
     fn prepare_surfaces(
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
-        (drawing, tile): (&CheckedPicture, Tile),
-        (offset, weight): (DVec2, f32),
+        drawing: &CheckedPicture,
+        tile: Tile,
+        sample: u32,
         pause: Option<Pause>,
     ) -> Result<Poll<gpu_structs::View>, RenderError> {
-        let CheckedPicture { view, raster, .. } = drawing;
+        let CheckedPicture { view, raster, samples, .. } = drawing;
         let Self { passes, scene, pass_runs: ran, view_uniform, .. } = self;
+        let (offset, weight) = (sample_offset(sample, *samples), 1.0 / *samples as f32);
+        let context = DrawContext { gpu, passes, scene, raster, tile };
         let origin = scene.posed.origin_in_world;
         let uniform = raster.uniform(offset, weight, view.fill, origin, [tile.x, tile.y])?;
         gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
         let mut encoder = gpu.encoder();
-        let onto = (raster, tile);
-        if let Some(cause) = targets.draw_gbuffer(gpu, &mut encoder, (passes, scene), onto, offset)? {
+        if let Some(cause) = targets.draw_gbuffer(&context, &mut encoder, offset)? {
             ran.note(Pass::Gbuffer, None, cause);
             gpu.end_stage(&mut encoder, FrameStage::Gbuffer)?;
             gpu.queue.submit([encoder.finish()]);
@@ -45,7 +47,7 @@ impl Renderer {
                 }
             }
         }
-        targets.prepare_surfaces(gpu, scene, (&uniform, [tile.width, tile.height]))?;
+        targets.prepare_surfaces(&context, &uniform)?;
         Ok(Poll::Ready(uniform))
     }
 
@@ -62,7 +64,7 @@ impl Renderer {
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
         self.shadow_maps.begin(view.slot, &lights, self.scene.revision);
         let sees = targets.native.has_surfaces();
-        let seen = self.prepare_surfaces(gpu, targets, (drawing, tile), (DVec2::ZERO, 1.0), pause)?;
+        let seen = self.prepare_surfaces(gpu, targets, drawing, tile, 0, pause)?;
         let Poll::Ready(uniform) = seen else { return Ok(Poll::Pending) };
         if let Some(pause) = pause
             && !sees
@@ -72,9 +74,10 @@ impl Renderer {
         }
         let Self { passes, scene, shadow_maps, pass_runs: ran, .. } = self;
         let (shadow_map, size) = (view.shadow_map, targets.size);
-        let mut work = LayerWork { gpu, scene, raster, size, shadow_map, shadow_maps, pass_runs: ran, pause };
-        let shown = (uniform.fill_factor, display::exposure_of(view.exposure));
-        let bytes = targets.native.draw_layers(passes, &mut work, &lights, shown)?;
+        let context = DrawContext { gpu, passes, scene, raster, tile };
+        let mut work = LayerWork { context, size, shadow_map, shadow_maps, pass_runs: ran, pause };
+        let exposure = display::exposure_of(view.exposure);
+        let bytes = targets.native.draw_layers(&mut work, &lights, uniform.fill_factor, exposure)?;
         if bytes.is_ready() {
             ran.note(Pass::Display, None, Cause::NotKept);
         }
@@ -103,12 +106,10 @@ impl Renderer {
         if sample == *samples {
             return Ok(true);
         }
-        let weight = 1.0 / *samples as f32;
-        let at = (sample_offset(sample, *samples), weight);
-        let seen = self.prepare_surfaces(gpu, targets, (drawing, tile), at, pause)?;
+        let seen = self.prepare_surfaces(gpu, targets, drawing, tile, sample, pause)?;
         let Poll::Ready(uniform) = seen else { return Ok(false) };
         if view.aov == Aov::Visibility {
-            self.draw_visibility(gpu, targets, (drawing, tile), &lights[view.light])?;
+            self.draw_visibility(gpu, targets, drawing, tile, &lights[view.light])?;
             targets.samples_drawn = *samples;
             return Ok(true);
         }
@@ -117,13 +118,13 @@ impl Renderer {
         if targets.lights_drawn.is_none() {
             targets.native.begin_sample(gpu);
         }
+        let context = DrawContext { gpu, passes, scene, raster, tile };
         let paused = |piece| pause.is_some_and(|pause| pause(piece));
         for (index, light) in lights.iter().enumerate().skip(targets.lights_drawn.unwrap_or(0)) {
             if light.light.light_profile().is_dark() {
                 continue;
             }
-            let (mut maps, wanted) = (NativeMaps { gpu, scene }, (light, view.shadow_map));
-            let ready = match shadow_maps.ready_light((gpu, &mut maps), (passes, scene, raster), wanted) {
+            let ready = match shadow_maps.ready_light(&mut NativeMaps(gpu), &context, light, view.shadow_map) {
                 // The other lights still count; `light::SceneBounds` reports this one to callers that ask.
                 Err(RenderError::OutOfReach(_)) => continue,
                 ready => ready?,
@@ -137,7 +138,7 @@ impl Renderer {
                     return Ok(false);
                 }
             }
-            targets.native.add_light((gpu, scene), &light.light, (&ready, tile))?;
+            targets.native.add_light(&context, &light.light, &ready)?;
             // A map without room in the budget must be freed before the next one is drawn.
             drop(ready);
             targets.lights_drawn = Some(index + 1);
@@ -145,7 +146,7 @@ impl Renderer {
                 return Ok(false);
             }
         }
-        targets.native.end_sample(gpu, sample == 0, (uniform.fill_factor, weight));
+        targets.native.end_sample(gpu, sample == 0, uniform.fill_factor, uniform.sample_weight);
         ran.note(Pass::Lighting, None, Cause::NotKept);
         (targets.samples_drawn, targets.lights_drawn) = (sample + 1, None);
         Ok(sample + 1 == *samples)
@@ -155,18 +156,18 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
-        (drawing, tile): (&CheckedPicture, Tile),
+        drawing: &CheckedPicture,
+        tile: Tile,
         light: &LightInstance,
     ) -> Result<(), RenderError> {
         let CheckedPicture { view, raster, .. } = drawing;
         let Self { passes, scene, shadow_maps, pass_runs: ran, .. } = self;
-        let mut maps = NativeMaps { gpu, scene };
-        let ready =
-            shadow_maps.ready_light((gpu, &mut maps), (passes, scene, raster), (light, view.shadow_map))?;
+        let context = DrawContext { gpu, passes, scene, raster, tile };
+        let ready = shadow_maps.ready_light(&mut NativeMaps(gpu), &context, light, view.shadow_map)?;
         if let Some(cause) = ready.as_ref().and_then(|ready| ready.shadow_map_cause) {
             ran.note(Pass::ShadowMap, Some(light.id), cause);
         }
-        targets.native.draw_visibility((gpu, scene), (ready.as_ref(), tile))?;
+        targets.native.draw_visibility(&context, ready.as_ref())?;
         ran.note(Pass::Lighting, None, Cause::NotKept);
         Ok(())
     }

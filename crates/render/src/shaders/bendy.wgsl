@@ -11,8 +11,8 @@ fn sample_light(surface: Surface) -> LightSample {
         return LightSample();
     }
     let root = root_at(inside, q);
-    let place = place_at(root);
-    let unshadowed = irradiance(light.light_profile, root.emission, place);
+    let place = coords_at(root);
+    let unshadowed = light_profile_irradiance(light.light_profile, root.emission, place);
     if !SHADOWED {
         return LightSample(true, place, unshadowed, 1.0);
     }

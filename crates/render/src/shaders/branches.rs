@@ -5,7 +5,7 @@
 
 use wgpu::naga::{AddressSpace, Block, Expression, Function, Handle, Module, Statement, front::wgsl};
 
-use super::compiled::all;
+use super::compiled::{all, statements};
 
 /// Source of a value in a shader. A value that depends on several sources has the last one in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,9 +25,8 @@ struct Call<'a> {
 
 impl Call<'_> {
     fn origin(&self, handle: Handle<Expression>) -> Origin {
-        let of = |handles: &[Handle<Expression>]| {
-            handles.iter().map(|&h| self.origin(h)).max().unwrap_or(Origin::Constants)
-        };
+        let of =
+            |handles: &[Handle<Expression>]| handles.iter().map(|&h| self.origin(h)).max().unwrap_or(Origin::Constants);
         match &self.function.expressions[handle] {
             Expression::Literal(_) | Expression::Constant(_) | Expression::ZeroValue(_) => Origin::Constants,
             Expression::GlobalVariable(variable) => match self.module.global_variables[*variable].space {
@@ -67,21 +66,11 @@ impl Call<'_> {
 
     /// Collects the names of this function and of all functions it calls that contain such an `if`.
     fn findings(&self, block: &Block, found: &mut Vec<String>) {
-        for statement in block {
+        for statement in statements(block) {
             match statement {
-                Statement::If { condition, accept, reject } => {
-                    if self.hangs_on_uniforms(*condition, accept, reject) {
-                        found.push(self.function.name.clone().unwrap_or_default());
-                    }
-                    self.findings(accept, found);
-                    self.findings(reject, found);
+                Statement::If { condition, accept, reject } if self.hangs_on_uniforms(*condition, accept, reject) => {
+                    found.push(self.function.name.clone().unwrap_or_default());
                 }
-                Statement::Block(inner) => self.findings(inner, found),
-                Statement::Loop { body, continuing, .. } => {
-                    self.findings(body, found);
-                    self.findings(continuing, found);
-                }
-                Statement::Switch { cases, .. } => cases.iter().for_each(|c| self.findings(&c.body, found)),
                 Statement::Call { function, arguments, .. } => {
                     let arguments = arguments.iter().map(|&argument| self.origin(argument)).collect();
                     let function = &self.module.functions[*function];
@@ -122,8 +111,7 @@ fn no_branch_hangs_on_uniforms_alone() {
     assert_eq!(planted("for (var i = 0u; i < light.count; i++) { y *= 2.0; }").len(), 1);
     assert_eq!(planted("y = select(x, 1.0, light.hard == 0.0); if x < light.hard { y = 2.0; }").len(), 0);
     assert_eq!(
-        planted("let end = select(0u, light.count, x > 0.0); for (var i = 0u; i < end; i++) { y *= 2.0; }")
-            .len(),
+        planted("let end = select(0u, light.count, x > 0.0); for (var i = 0u; i < end; i++) { y *= 2.0; }").len(),
         0
     );
 }

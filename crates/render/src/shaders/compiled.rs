@@ -1,12 +1,11 @@
 //! Every compiled module, for tests.
 
-use super::{
-    BENDY, BENT_MAP_CLIP, BENT_MAP_NEXT, BENT_MAP_SPLIT, BENT_MAP_TRIANGLES, BENT_MAP_VERTICES, BENT_MASKED,
-    BENT_SHADOW, COMPOSITE, DISPLAY, FILL, GBUFFER, INCREASING_ROOTS, INSPECT, LOCATE, SHADOW, SHADOW_MASKED,
-    SUM, WIREFRAME, lighting_pass,
-};
+use wgpu::naga::{Block, Statement};
+
+use super::*;
 use crate::bendy_light::Baked;
 use crate::composite::TermKind;
+use crate::lighting::LightConstants;
 use crate::straight::BakedStraight;
 
 /// Returns every module by name; those of lights with several sets of constants.
@@ -38,15 +37,23 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
         bendy.into_iter().chain([("locate", b.into_wgsl(LOCATE))])
     });
     let summed = [("composite", COMPOSITE), ("sum", SUM)];
-    let summed =
-        summed.into_iter().flat_map(|(name, wgsl)| TermKind::ALL.map(|of| (name, of.into_wgsl(wgsl))));
-    let straight = BakedStraight::all().map(BakedStraight::wgsl);
+    let summed = summed.into_iter().flat_map(|(name, wgsl)| TermKind::ALL.map(|of| (name, of.into_wgsl(wgsl))));
+    let straight = BakedStraight::all().map(LightConstants::wgsl);
     let straight = straight.flat_map(|(name, wgsl)| each(wgsl).map(|wgsl| (name, wgsl)));
-    fixed
-        .map(|(name, wgsl)| (name, wgsl.to_owned()))
-        .into_iter()
-        .chain(summed)
-        .chain(straight)
-        .chain(baked)
-        .collect()
+    fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(summed).chain(straight).chain(baked).collect()
+}
+
+/// Returns the statements of a block, each followed by those of the blocks in it.
+pub(super) fn statements<'a>(block: &'a Block) -> Vec<&'a Statement> {
+    let with_inner = |statement: &'a Statement| {
+        let inner: Vec<&Block> = match statement {
+            Statement::Block(inner) => vec![inner],
+            Statement::If { accept, reject, .. } => vec![accept, reject],
+            Statement::Loop { body, continuing, .. } => vec![body, continuing],
+            Statement::Switch { cases, .. } => cases.iter().map(|case| &case.body).collect(),
+            _ => Vec::new(),
+        };
+        std::iter::once(statement).chain(inner.into_iter().flat_map(statements))
+    };
+    block.iter().flat_map(with_inner).collect()
 }

@@ -10,7 +10,7 @@ fn sample_light(surface: Surface) -> LightSample {
         return LightSample();
     }
     let place = located.place;
-    let unshadowed = irradiance(directional.light_profile, vec3f(1.0), place);
+    let unshadowed = light_profile_irradiance(directional.light_profile, vec3f(1.0), place);
     if !SHADOWED {
         return LightSample(true, place, unshadowed, 1.0);
     }

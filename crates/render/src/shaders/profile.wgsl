@@ -58,9 +58,9 @@ const MAX_DECAY = 1e15;
 
 // Returns the irradiance on a surface perpendicular to the light, without visibility and `tint`. Emission is limited to
 // finite results.
-fn irradiance(f: LightProfile, emission: vec3f, place: LightCoords) -> vec3f {
+fn light_profile_irradiance(f: LightProfile, emission: vec3f, place: LightCoords) -> vec3f {
     let along = distance_ramps_at(f, place.s) * decay_at(f, max(place.s, f.least_distance));
-    return min(emission, vec3f(MAX_EMISSION)) * (across(f, place.vw) * along);
+    return min(emission, vec3f(MAX_EMISSION)) * (light_profile_across(f, place.vw) * along);
 }
 
 // Returns the share of the light that arrives if the share `visibility` of it is not blocked, linear RGB.
@@ -69,7 +69,7 @@ fn light_profile_arriving(f: LightProfile, visibility: f32) -> vec3f {
 }
 
 // Returns the falloff across the light: zero outside of an outline at which the light does not end by itself.
-fn across(f: LightProfile, vw: vec2f) -> f32 {
+fn light_profile_across(f: LightProfile, vw: vec2f) -> f32 {
     let share = edge_outline_share(f, vw);
     let rho2 = section_outline_rho2(f, vw) / (share * share);
     let is_outside = (SUPERELLIPSE || RADIAL) && rho2 > 1.0;

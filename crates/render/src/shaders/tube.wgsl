@@ -253,7 +253,7 @@ fn direction_at(root: TubeRoot) -> vec3f {
 }
 
 // Coordinates of a root, with its direction in world axes.
-fn place_at(root: TubeRoot) -> LightCoords {
+fn coords_at(root: TubeRoot) -> LightCoords {
     let vw = root.vw_len / select(1.0, root.radius, root.radius > 0.0);
     let t = light.t_start + light.t_span * tube_root_t(root);
     return LightCoords(t, vw, root.s, normalize(light.world_from_tube * direction_at(root)));

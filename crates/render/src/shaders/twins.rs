@@ -31,7 +31,7 @@ const TWINS: [(&str, &str, &[&str]); 11] = [
     (
         include_str!("../../../light/src/rays/tube.rs"),
         include_str!("tube.wgsl"),
-        &["segment_at", "segment_count", "visit_segment", "consider", "u_hat_derivative"],
+        &["nearest_inside", "segment_at", "segment_count", "visit_segment", "consider", "u_hat_derivative"],
     ),
 ];
 
@@ -58,8 +58,7 @@ fn rust_functions(rust: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for line in rust.lines() {
         if let Some(header) = line.strip_prefix("impl") {
-            let header =
-                ["<F: Real>", "<F: Lanes>"].iter().find_map(|f| header.strip_prefix(f)).unwrap_or(header);
+            let header = ["<F: Real>", "<F: Lanes>"].iter().find_map(|f| header.strip_prefix(f)).unwrap_or(header);
             let type_name = header.rsplit(" for ").next().unwrap_or_default().trim();
             of = prefix(type_name.split(['<', ' ']).next().unwrap_or_default());
         } else if line.starts_with('}') {
@@ -121,9 +120,5 @@ fn structs_have_one_name_in_rust_and_in_wgsl() {
     // Deliberate fault that the check must detect: a name that only one side has.
     assert_eq!(structs("pub struct Curve<F: Real> {\nstruct Piece {\n"), BTreeSet::from(["Curve", "Piece"]));
     assert!(structs("struct Piece {").is_disjoint(&rust));
-    assert!(
-        ["Curve", "Segment", "TubeRoot", "LightCoords", "LightProfile"]
-            .iter()
-            .all(|name| wgsl.contains(name))
-    );
+    assert!(["Curve", "Segment", "TubeRoot", "LightCoords", "LightProfile"].iter().all(|name| wgsl.contains(name)));
 }

@@ -4,32 +4,24 @@ use glam::DVec3;
 use render::{Aov, View};
 use scene::Material;
 
-use crate::support::{BACKENDS, floor, named, on_plane, picture, renderer_of, scene_of, spot, view};
+use crate::support::{BACKENDS, filled, floor, on_plane, picture, renderer_of, scene_of, spot, view};
 
 /// Returns a white floor from straight above, whose edges cross pixels.
 fn edges(samples: u32) -> View {
     View { samples, ..view(DVec3::new(0.02, 3.0, 0.03), DVec3::new(0.02, 0.0, 0.03), [16, 16], Aov::Beauty) }
 }
 
-fn bright_floor() -> scene::Scene {
-    let mut scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
-    scene.fill.sky = DVec3::ONE;
-    scene.fill.ground = DVec3::ONE;
-    scene
-}
-
 #[test]
 fn coverage_is_the_area() {
     for backend in BACKENDS {
         let view = edges(64);
-        let mut renderer = renderer_of(backend, &bright_floor());
+        let mut renderer = renderer_of(backend, &filled(DVec3::ONE));
         let beauty = renderer.render(&view, &[]).unwrap();
         let half_pixel = 3.0 * 0.4_f64.tan() / 16.0;
         let mut partly = 0;
         for (center, color) in on_plane(&beauty, &view, DVec3::Y, 0.0) {
             let covered = |c: f64| {
-                (((c + half_pixel).min(1.0) - (c - half_pixel).max(-1.0)) / (2.0 * half_pixel))
-                    .clamp(0.0, 1.0)
+                (((c + half_pixel).min(1.0) - (c - half_pixel).max(-1.0)) / (2.0 * half_pixel)).clamp(0.0, 1.0)
             };
             let area = covered(center.x) * covered(center.z);
             // A lattice of N points misses an axis-parallel rectangle by less than (2 log2 N) / N of the pixel.
@@ -46,7 +38,7 @@ fn coverage_is_the_area() {
 #[test]
 fn one_sample_is_repeatable_after_many() {
     for backend in BACKENDS {
-        let mut renderer = renderer_of(backend, &bright_floor());
+        let mut renderer = renderer_of(backend, &filled(DVec3::ONE));
         let first = renderer.render(&edges(1), &[]).unwrap();
         let many = renderer.render(&edges(8), &[]).unwrap();
         assert_eq!(renderer.render(&edges(1), &[]).unwrap(), first);
@@ -55,9 +47,9 @@ fn one_sample_is_repeatable_after_many() {
 }
 
 #[test]
-fn only_what_can_be_averaged_is() {
+fn only_aovs_that_can_be_averaged_are() {
     let scene = scene_of([floor(1.0, 0.0), floor(0.3, 0.5)], vec![Material::default()]);
-    let lights = [named(spot(DVec3::new(0.4, 3.0, 0.0), DVec3::ZERO))];
+    let lights = [spot(DVec3::new(0.4, 3.0, 0.0), DVec3::ZERO)];
     for aov in [Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction] {
         let of = |samples| picture(&scene, &View { aov, ..edges(samples) }, &lights);
         assert_eq!(of(1), of(8), "{aov:?}");

@@ -2,29 +2,18 @@
 //! f64.
 
 use glam::{DAffine3, DQuat, DVec3};
-use light::parameters::{
-    CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, RANGE, SCALE, TRANSLATION,
-};
+use light::parameters::{CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, RANGE, SCALE, TRANSLATION};
 use light::{CheckedLight, Decay, Light, LightError, Tube, bend};
 use render::{Aov, Picture, RenderError, View};
 use scene::{Material, Scene};
 
-use crate::support::{
-    EPS, floor, instances, named, picture, ray_in_world, renderer, scene_of, spot, square, view,
-};
-
-fn bendy(light: Light) -> [Light; 1] {
-    [named(light)]
-}
+use crate::support::{EPS, floor, instances, picture, ray_in_world, renderer, scene_of, spot, square, view};
 
 /// Returns a floor with two tilted squares above it, in a glossy and a rough material.
 fn tilted() -> Scene {
     let tilt = |x: f64, y: f64, z: f64, angle: f64| {
         let rotation = DQuat::from_rotation_z(angle) * DQuat::from_rotation_x(0.5 * angle);
-        (
-            square(),
-            DAffine3::from_scale_rotation_translation(DVec3::splat(0.3), rotation, DVec3::new(x, y, z)),
-        )
+        (square(), DAffine3::from_scale_rotation_translation(DVec3::splat(0.3), rotation, DVec3::new(x, y, z)))
     };
     let material = Material { roughness: 0.4, double_sided: true, ..Material::default() };
     scene_of([floor(3.0, 0.0), tilt(-0.4, 0.5, 0.2, 0.6), tilt(0.5, 0.8, -0.3, -0.9)], vec![material])
@@ -48,7 +37,7 @@ fn on_boundary(a: &Picture, b: &Picture, pixel: usize) -> bool {
 fn difference(spot: &Light, bent: &Light) -> (f32, f64) {
     let scene = tilted();
     let shoot = |aov, lights: &[Light]| picture(&scene, &view(EYE, DVec3::Y * 0.3, [200, 150], aov), lights);
-    let (spot, bent) = ([named(spot.clone())], bendy(bent.clone()));
+    let (spot, bent) = ([spot.clone()], [bent.clone()]);
     let visibility = [shoot(Aov::Visibility, &spot), shoot(Aov::Visibility, &bent)];
     let radiance = [shoot(Aov::Beauty, &spot), shoot(Aov::Beauty, &bent)];
     let lit = visibility[0].pixels.iter().filter(|p| p[0] > 0.0).count();
@@ -60,15 +49,15 @@ fn difference(spot: &Light, bent: &Light) -> (f32, f64) {
             continue;
         }
         for channel in 0..3 {
-            worst =
-                worst.max((radiance[0].pixels[pixel][channel] - radiance[1].pixels[pixel][channel]).abs());
+            worst = worst.max((radiance[0].pixels[pixel][channel] - radiance[1].pixels[pixel][channel]).abs());
         }
     }
     (worst, boundary as f64 / lit as f64)
 }
 
-/// The promise is 1/255. Both lights have the same formulas in f32 except for the cosine of the profile and the
-/// distance. 1e-4 of a radiance up to 1 leaves room for a thousand roundings, and would still show any wrong factor.
+/// A spotlight and the BendyLight made from it differ by less than 1e-4 of a radiance up to 1; the promise is 1/255.
+/// Both have the same formulas in f32 except for the cosine of the profile and the distance. 1e-4 leaves room for a
+/// thousand roundings, and would still show any wrong factor.
 #[test]
 fn a_bent_spotlight_is_that_spotlight() {
     let base = spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::new(0.1, 0.0, 0.0));
@@ -76,8 +65,7 @@ fn a_bent_spotlight_is_that_spotlight() {
     let cinematic = base.clone().with(DECAY, Decay::None).with(INTENSITY, 2.0).with(CONE_SOFTNESS, 0.6);
     let linear = base.clone().with(DECAY, Decay::Linear).with(INTENSITY, 4.0);
     // 250 segments are more slabs than one turn maps.
-    let cases =
-        [(&base, 3), (&with_range, 1), (&with_range, 3), (&cinematic, 5), (&linear, 8), (&with_range, 250)];
+    let cases = [(&base, 3), (&with_range, 1), (&with_range, 3), (&cinematic, 5), (&linear, 8), (&with_range, 250)];
     for (light, segments) in cases {
         let (worst, boundary) = difference(light, &bend(light, segments).expect("valid"));
         assert!(worst < 1e-4, "{segments} segments: {worst} off {light:?}");
@@ -104,7 +92,7 @@ fn worst_over_bound(light: &Light, shown: &Light) -> (f64, usize) {
     let scene = tilted();
     let shoot = |aov, light: &Light| {
         let view: View = view(EYE, DVec3::Y * 0.3, [240, 180], aov);
-        (picture(&scene, &view, &bendy(light.clone())), view)
+        (picture(&scene, &view, std::slice::from_ref(light)), view)
     };
     let (depth, view) = shoot(Aov::Depth, light);
     let [t, vw, direction] = [Aov::T, Aov::Vw, Aov::Direction].map(|aov| shoot(aov, shown).0);
@@ -167,7 +155,7 @@ fn aovs_are_the_models() {
 
 /// No AOV has NaN or infinity (`picture` asserts it) under valid but extreme lights.
 #[test]
-fn unkind_lights_have_no_nan() {
+fn extreme_lights_have_no_nan() {
     let bright = winding().map_points(|_, point| {
         (point.intensity, point.color) = (1e300, DVec3::splat(1e300));
     });
@@ -187,13 +175,13 @@ fn unkind_lights_have_no_nan() {
     let all = [bright, at_a_surface, dark, thin, pointed, tiny, huge, corner, many];
     for light in all {
         for frame in [light::FrameMode::RotationMinimizing, light::FrameMode::Up] {
-            let light = bendy(light.clone().with(FRAME, frame));
+            let light = [light.clone().with(FRAME, frame)];
             for aov in [Aov::Beauty, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility] {
                 picture(&tilted(), &view(EYE, DVec3::Y * 0.3, [41, 31], aov), &light);
             }
         }
     }
-    picture(&Scene::default(), &view(EYE, DVec3::ZERO, [5, 4], Aov::Visibility), &bendy(winding()));
+    picture(&Scene::default(), &view(EYE, DVec3::ZERO, [5, 4], Aov::Visibility), &[winding()]);
 }
 
 /// A light out of f32's reach is refused. A light that folds is an error before it gets to a renderer.
@@ -201,7 +189,7 @@ fn unkind_lights_have_no_nan() {
 fn impossible_lights_are_refused() {
     let refused = |light: Light| {
         let view = view(EYE, DVec3::ZERO, [5, 4], Aov::Visibility);
-        renderer(&tilted()).render(&view, &instances(&bendy(light))).expect_err("refused")
+        renderer(&tilted()).render(&view, &instances(&[light])).expect_err("refused")
     };
     let far = DVec3 { x: 1e200, ..winding().transform().translation };
     assert!(matches!(refused(winding().with(TRANSLATION, far)), RenderError::OutOfReach(_)));
@@ -221,7 +209,7 @@ fn far_from_the_origin_nothing_changes() {
             node.parent_from_local = DAffine3::from_translation(offset) * node.parent_from_local;
         }
         let light = winding().with(TRANSLATION, winding().transform().translation + offset);
-        picture(&scene, &view(EYE + offset, DVec3::Y * 0.3 + offset, [120, 90], Aov::Beauty), &bendy(light))
+        picture(&scene, &view(EYE + offset, DVec3::Y * 0.3 + offset, [120, 90], Aov::Beauty), &[light])
     };
     let (near, far) = (shoot(DVec3::ZERO), shoot(offset));
     let differ = near.pixels.iter().zip(&far.pixels).filter(|(a, b)| (a[0] - b[0]).abs() > 1e-4).count();
@@ -234,7 +222,7 @@ fn shadow_maps_are_kept_while_the_shape_is() {
     let mut renderer = renderer(&tilted());
     let view = view(EYE, DVec3::ZERO, [9, 7], Aov::Beauty);
     let mut shadows_after = |light: Light| {
-        renderer.render(&view, &instances(&bendy(light))).expect("drawn");
+        renderer.render(&view, &instances(&[light])).expect("drawn");
         (renderer.counts().shadow, renderer.counts().gbuffer)
     };
     let light = winding();
@@ -247,11 +235,12 @@ fn shadow_maps_are_kept_while_the_shape_is() {
     assert_eq!(shadows_after(moved), (2, 1));
 }
 
-/// Returns the number of pixels of a floor that shadows itself, and number in the light, which shines straight down.
+/// Returns the number of pixels in which a floor wrongly shadows itself, and the number of its pixels inside the light,
+/// which shines straight down.
 fn self_shadowed(light: &Light) -> (usize, usize) {
     let scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
     let seen = view(DVec3::new(0.3, 1.5, 0.6), DVec3::ZERO, [160, 120], Aov::Visibility);
-    let visibility = picture(&scene, &seen, &bendy(light.clone()));
+    let visibility = picture(&scene, &seen, std::slice::from_ref(light));
     let inside = visibility.pixels.iter().filter(|pixel| pixel[3] == 1.0);
     (inside.clone().filter(|pixel| pixel[0] < 1.0).count(), inside.count())
 }
@@ -269,8 +258,8 @@ fn coincident_points_shadow_nothing() {
     assert!(inside > 1000 && shadowed == 0, "{shadowed} of {inside} lie in shadow");
 }
 
-/// An edge through the middle of a bulging tube is S-shaped on the map, with its middle on its chord. It is split all
-/// the same.
+/// A triangle's edge through the middle of a bulging tube is S-shaped on the shadow map, and its middle lies on its
+/// chord. It is split all the same.
 #[test]
 fn an_edge_through_the_axis_is_split() {
     for lean in [0.2, 0.4, 0.6] {
@@ -280,7 +269,8 @@ fn an_edge_through_the_axis_is_split() {
     }
 }
 
-/// A tube thinner than f32 resolves is drawn, even if as noise, and is not split until no buffer holds it.
+/// A tube thinner than f32 resolves is drawn, even if as noise. It does not make triangles split into more pieces than
+/// a buffer holds.
 #[test]
 fn a_tube_as_thin_as_rounding_is_drawn() {
     for radius in [1e-6, 1e-9, 1e-12] {
@@ -298,5 +288,5 @@ fn no_light_takes_light_away() {
         let beauty = picture(&tilted(), &seen, lights);
         beauty.pixels.iter().all(|pixel| pixel[..3] == [0.0; 3])
     };
-    assert!(dark(&[named(below.clone())]) && dark(&bendy(bend(&below, 3).expect("valid"))));
+    assert!(dark(std::slice::from_ref(&below)) && dark(&[bend(&below, 3).expect("valid")]));
 }

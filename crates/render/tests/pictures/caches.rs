@@ -3,17 +3,17 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, EXPOSURE, INTENSITY, NAME, RANGE, TRANSLATION};
+use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, EXPOSURE, INTENSITY, RANGE, TRANSLATION};
 use light::{Light, LightInstance, Setting};
-use render::{Aov, Backend, Gpu, MapScale, PassCounts, Picture, RenderError, Renderer, View, ViewSlot};
+use render::{Aov, Backend, MapScale, PassCounts, Picture, RenderError, Renderer, View, ViewSlot};
 use scene::{Material, Scene};
 
 use crate::support::{
-    BACKENDS, floor, instances, named, picture, renderer, renderer_of, scene_of, since, spot, view,
+    BACKENDS, floor, gpu_of, instances, oblique, picture, renderer, renderer_of, scene_of, since, spot, tables, view,
 };
 
-fn tables() -> Scene {
-    scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
+fn seen(aov: Aov) -> View {
+    oblique([33, 21], aov)
 }
 
 fn key() -> Light {
@@ -23,8 +23,8 @@ fn key() -> Light {
 /// Returns the number of passes that `change` causes.
 fn runs(backend: Backend, change: impl FnOnce(&mut Renderer, &mut View, &mut Vec<Light>)) -> PassCounts {
     let mut renderer = renderer_of(backend, &tables());
-    let mut view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
-    let mut lights = vec![named(key()), named(spot(DVec3::new(-1.0, 3.0, 0.5), DVec3::ZERO))];
+    let mut view = seen(Aov::Beauty);
+    let mut lights = vec![key(), spot(DVec3::new(-1.0, 3.0, 0.5), DVec3::ZERO)];
     renderer.render(&view, &instances(&lights)).unwrap();
     let before = renderer.counts();
     assert_eq!(before, PassCounts { gbuffer: 1, shadow: 2, lighting: 1, ..PassCounts::default() });
@@ -53,25 +53,16 @@ fn only_what_changed_is_drawn_again() {
             assert_eq!(runs(backend, |_, _, lights| edit(lights, RANGE.to(Some(9.0)))), LIT);
         }
         let shadow = PassCounts { shadow: 1, ..LIT };
-        assert_eq!(
-            runs(backend, |_, _, lights| edit(lights, TRANSLATION.to(DVec3::new(1.5, 3.0, 0.5)))),
-            shadow
-        );
+        assert_eq!(runs(backend, |_, _, lights| edit(lights, TRANSLATION.to(DVec3::new(1.5, 3.0, 0.5)))), shadow);
         assert_eq!(runs(backend, |_, _, lights| edit(lights, CONE_ANGLE.to(20.0))), shadow);
         let gbuffer = PassCounts { gbuffer: 1, ..LIT };
         assert_eq!(runs(backend, |_, view, _| view.camera.translation.x += 0.1), gbuffer);
         assert_eq!(runs(backend, |_, view, _| view.width = 34), gbuffer);
         assert_eq!(runs(backend, |_, view, _| view.camera.name = "other".into()), LIT);
         let everything = PassCounts { gbuffer: 1, shadow: 2, ..LIT };
-        assert_eq!(
-            runs(backend, |renderer, _, _| renderer.set_scene(&scene::pose(tables())).unwrap()),
-            everything
-        );
+        assert_eq!(runs(backend, |renderer, _, _| renderer.set_scene(&scene::pose(tables())).unwrap()), everything);
         // Each sample has its own G-buffer, but shadows are drawn once.
-        assert_eq!(
-            runs(backend, |_, view, _| view.samples = 4),
-            PassCounts { gbuffer: 4, lighting: 4, ..LIT }
-        );
+        assert_eq!(runs(backend, |_, view, _| view.samples = 4), PassCounts { gbuffer: 4, lighting: 4, ..LIT });
         assert_eq!(runs(backend, |renderer, view, _| renderer.drop_view(view.slot)), everything);
         // AOVs of the surface need no light, those of a light only that one.
         let one_light = |renderer: &mut Renderer, view: &mut View, lights: &mut Vec<Light>| {
@@ -90,8 +81,8 @@ fn only_what_changed_is_drawn_again() {
 #[test]
 fn exposure_of_the_view_draws_nothing_but_what_is_shown() {
     let mut renderer = renderer(&tables());
-    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
-    let lights = instances(&[named(key())]);
+    let view = seen(Aov::Beauty);
+    let lights = instances(&[key()]);
     let first = renderer.render_display(&view, &lights).unwrap();
     let before = renderer.counts();
     let brighter = View { exposure: 1.5, ..view.clone() };
@@ -100,7 +91,7 @@ fn exposure_of_the_view_draws_nothing_but_what_is_shown() {
     let shown = PassCounts { display: 2, ..PassCounts::default() };
     assert_eq!(since(before, renderer.counts()), shown);
     // Deliberate fault that the check must detect: the softness of a light's edge belongs to the light.
-    let soft = instances(&[named(key().with(CONE_SOFTNESS, 0.7))]);
+    let soft = instances(&[key().with(CONE_SOFTNESS, 0.7)]);
     renderer.render_display(&view, &soft).unwrap();
     assert_eq!(since(before, renderer.counts()), PassCounts { layers: 1, display: 3, ..shown });
 }
@@ -110,10 +101,8 @@ fn exposure_of_the_view_draws_nothing_but_what_is_shown() {
 #[test]
 fn a_moved_camera_draws_no_map() {
     let wide = key().with(CONE_ANGLE, 85.0);
-    let bent = |spot: &Light| {
-        light::bend(&spot.clone().with(RANGE, Some(5.0)), 2).unwrap().with(NAME, "bent".into())
-    };
-    let lights = [named(key()), bent(&key()), bent(&wide), named(wide)];
+    let bent = |spot: &Light| light::bend(&spot.clone().with(RANGE, Some(5.0)), 2).unwrap();
+    let lights = [key(), bent(&key()), bent(&wide), wide];
     let mut kept = renderer(&tables());
     let eyes = [DVec3::new(2.0, 3.0, 4.0), DVec3::new(0.1, 1.2, 0.1), DVec3::new(-9.0, 4.0, 2.0)];
     for (k, eye) in eyes.into_iter().enumerate() {
@@ -132,9 +121,9 @@ fn a_moved_camera_draws_no_map() {
 #[test]
 fn a_light_with_nothing_in_it_has_an_empty_map() {
     let up = spot(DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.1, 9.0, 0.0));
-    let bent = light::bend(&up, 2).unwrap().with(NAME, "bent".into());
-    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
-    for light in [named(up), bent] {
+    let bent = light::bend(&up, 2).unwrap();
+    let view = seen(Aov::Beauty);
+    for light in [up, bent] {
         let dark = picture(&tables(), &view, std::slice::from_ref(&light));
         assert!(dark.pixels.iter().all(|pixel| pixel[..3] == [0.0; 3]));
         assert!(picture(&Scene::default(), &view, &[light]).pixels.iter().all(|pixel| *pixel == [0.0; 4]));
@@ -155,13 +144,12 @@ fn steps<'a>(pictures: impl IntoIterator<Item = (&'a View, &'a [LightInstance])>
 /// Two viewers that change nothing cause each other no passes. In one slot they would.
 #[test]
 fn viewers_keep_their_pictures() {
-    let lights = [key(), key().with(INTENSITY, 3.0)].map(|light| instances(&[named(light)]));
-    let near = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let lights = [key(), key().with(INTENSITY, 3.0)].map(|light| instances(&[light]));
+    let near = seen(Aov::Beauty);
     let mut far = View { width: 24, slot: ViewSlot(7), ..near.clone() };
     far.camera.translation *= 2.0;
-    let turns = |other: &View| {
-        steps([(&near, &lights[0][..]), (other, &lights[0]), (&near, &lights[1]), (other, &lights[1])])
-    };
+    let turns =
+        |other: &View| steps([(&near, &lights[0][..]), (other, &lights[0]), (&near, &lights[1]), (other, &lights[1])]);
     let first = PassCounts { gbuffer: 1, shadow: 1, ..LIT };
     let second = PassCounts { gbuffer: 1, ..LIT };
     assert_eq!(turns(&far), [first, second, LIT, LIT]);
@@ -173,8 +161,8 @@ fn viewers_keep_their_pictures() {
 #[test]
 fn viewers_see_their_own_cameras() {
     for backend in BACKENDS {
-        let lights = instances(&[named(key())]);
-        let near = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+        let lights = instances(&[key()]);
+        let near = seen(Aov::Beauty);
         let mut far = View { slot: ViewSlot(7), ..near.clone() };
         far.camera.translation *= 2.0;
         let mut shared = renderer_of(backend, &tables());
@@ -189,20 +177,15 @@ fn viewers_see_their_own_cameras() {
 /// A light added or removed in the middle leaves the shadow maps of the others, and finds its own again.
 #[test]
 fn shadow_maps_follow_their_lights() {
-    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
-    let light = |x: f64| named(spot(DVec3::new(x, 3.0, 0.5), DVec3::ZERO));
-    let bent = light::bend(&light(1.0), 2).unwrap().with(NAME, "bent".into());
+    let view = seen(Aov::Beauty);
+    let light = |x: f64| spot(DVec3::new(x, 3.0, 0.5), DVec3::ZERO);
+    let bent = light::bend(&light(1.0), 2).unwrap();
     let all = instances(&[light(0.0), bent, light(2.0), light(0.5)]);
     let [first, bent, last, late] = &all[..] else { unreachable!("an instance a light") };
-    let lists = [
-        vec![first, bent, last],
-        // One more in the middle; two removed; the order reversed; one back at the front.
-        vec![first, late, bent, last],
-        vec![late, last],
-        vec![last, late],
-        vec![bent, last, late],
-    ]
-    .map(|lights| lights.into_iter().cloned().collect::<Vec<_>>());
+    // One more in the middle; two removed; the order reversed; one back at the front.
+    let lists: [&[_]; 5] =
+        [&[first, bent, last], &[first, late, bent, last], &[late, last], &[last, late], &[bent, last, late]];
+    let lists = lists.map(|lights| lights.iter().map(|&light| light.clone()).collect::<Vec<LightInstance>>());
     let runs = steps(lists.iter().map(|lights| (&view, &lights[..])));
     assert_eq!(runs.iter().map(|run| run.shadow).collect::<Vec<_>>(), [3, 1, 0, 0, 0]);
 
@@ -220,26 +203,26 @@ fn shadow_maps_follow_their_lights() {
 /// Maps are keyed by light id: two lights with the same position and cone have a map each, and their own colors.
 #[test]
 fn each_light_has_a_map_of_its_own() {
-    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let view = seen(Aov::Beauty);
     let red = key().with(COLOR, DVec3::X);
     let blue = key().with(COLOR, DVec3::Z);
-    let both = instances(&[named(red.clone()), named(blue)]);
+    let both = instances(&[red.clone(), blue]);
     let mut kept = renderer(&tables());
     let picture = kept.render(&view, &both).unwrap();
     assert_eq!(kept.counts().shadow, 2);
     let lit = picture.pixels.iter().filter(|p| p[0] > 0.0 || p[2] > 0.0);
     assert!(lit.clone().count() > 50 && lit.clone().all(|p| p[0] == p[2]), "as much of each");
     // Deliberate fault that the check must detect: one color for both.
-    let twice = kept.render(&view, &instances(&[named(red.clone()), named(red)])).unwrap();
+    let twice = kept.render(&view, &instances(&[red.clone(), red])).unwrap();
     assert!(twice.pixels.iter().any(|p| p[0] != p[2]));
     // Another color needs no other map.
     assert_eq!(kept.counts().shadow, 2);
 }
 
 #[test]
-fn what_is_kept_shows_the_new_state() {
+fn cached_work_shows_the_new_state() {
     for backend in BACKENDS {
-        let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+        let view = seen(Aov::Beauty);
         let mut kept = renderer_of(backend, &tables());
         let lights = [
             key(),
@@ -250,7 +233,7 @@ fn what_is_kept_shows_the_new_state() {
         ];
         let mut pictures = Vec::new();
         for light in lights {
-            let lights = instances(&[named(light)]);
+            let lights = instances(&[light]);
             let from_kept = kept.render(&view, &lights).unwrap();
             assert_eq!(from_kept, renderer_of(backend, &tables()).render(&view, &lights).unwrap());
             pictures.push(from_kept);
@@ -264,7 +247,7 @@ fn what_is_kept_shows_the_new_state() {
 #[test]
 fn a_failed_scene_leaves_the_one_before() {
     let mut renderer = renderer(&tables());
-    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Depth);
+    let view = seen(Aov::Depth);
     let before = renderer.render(&view, &[]).unwrap();
     let mut huge = tables();
     huge.nodes[0].parent_from_local.translation.x = 1e200;
@@ -274,8 +257,8 @@ fn a_failed_scene_leaves_the_one_before() {
 
 #[test]
 fn renderers_share_a_device() {
-    let gpu: Arc<Gpu> = crate::support::gpu();
-    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Depth);
+    let gpu = gpu_of(Backend::Wgpu);
+    let view = seen(Aov::Depth);
     let mut empty = Renderer::new(Arc::clone(&gpu)).unwrap();
     let mut full = renderer(&tables());
     assert!(full.render(&view, &[]).unwrap().pixels.iter().any(|p| p[3] == 1.0));
@@ -294,8 +277,8 @@ fn renderers_share_a_device() {
 #[test]
 fn warming_up_leaves_the_scene() {
     let mut renderer = renderer(&tables());
-    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
-    let lights = instances(&[named(key())]);
+    let view = seen(Aov::Beauty);
+    let lights = instances(&[key()]);
     let before = renderer.render(&view, &lights).unwrap();
     let counts = renderer.counts();
     renderer.compile_pipelines(|| true).unwrap();
@@ -307,11 +290,11 @@ fn warming_up_leaves_the_scene() {
 /// A map at half scale is separate: the full one stays, serves where half is enough, and is there when full is needed
 /// again. Alternating between them draws nothing.
 #[test]
-fn maps_of_half_a_side_stand_beside_full_ones() {
+fn maps_of_half_a_side_are_cached_beside_full_ones() {
     let mut renderer = renderer(&tables());
-    let full = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let full = seen(Aov::Beauty);
     let half = View { shadow_map: MapScale::Half, ..full.clone() };
-    let mut lights = vec![named(key()), named(spot(DVec3::new(-1.0, 3.0, 0.5), DVec3::ZERO))];
+    let mut lights = vec![key(), spot(DVec3::new(-1.0, 3.0, 0.5), DVec3::ZERO)];
     let mut draws = |view: &View, lights: &[Light]| {
         let before = renderer.counts();
         let bytes = renderer.render_display(view, &instances(lights)).unwrap();
@@ -333,9 +316,7 @@ fn maps_of_half_a_side_stand_beside_full_ones() {
         assert_eq!(draws(view, &lights).0, [0, 0]);
     }
     // The last picture is that of a renderer that has drawn nothing else.
-    let mut fresh = crate::support::renderer(&tables());
-    assert_eq!(fresh.render_display(&full, &instances(&lights)).unwrap(), fine);
-    let coarse_alone =
-        crate::support::renderer(&tables()).render_display(&half, &instances(&lights)).unwrap();
-    assert_ne!(coarse_alone, fine);
+    let alone = |view| self::renderer(&tables()).render_display(view, &instances(&lights)).unwrap();
+    assert_eq!(alone(&full), fine);
+    assert_ne!(alone(&half), fine);
 }

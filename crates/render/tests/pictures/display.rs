@@ -4,7 +4,7 @@ use glam::DVec3;
 use render::{Aov, Background, FileNeeds, RenderError, View};
 use scene::Material;
 
-use crate::support::{floor, instances, named, renderer, scene_of, spot, view};
+use crate::support::{filled, floor, instances, renderer, scene_of, spot, view};
 
 /// Khronos PBR Neutral, as published, then sRGB (IEC 61966-2-1), scaled to 0 to 255.
 fn expected(linear: DVec3) -> DVec3 {
@@ -36,20 +36,13 @@ fn radiance_is_tone_mapped_and_encoded() {
         DVec3::splat(1e6),
     ];
     for color in colors {
-        // A white floor returns the fill's light.
-        let mut scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
-        scene.fill.sky = color;
-        scene.fill.ground = color;
         let view = view(DVec3::Y * 2.0, DVec3::ZERO, [3, 3], Aov::Beauty);
-        let bytes = renderer(&scene).render_display(&view, &[]).unwrap();
+        let bytes = renderer(&filled(color)).render_display(&view, &[]).unwrap();
         let pixel = &bytes[16..20];
         let expected = expected(color);
         for (byte, expected) in pixel.iter().zip(expected.to_array()) {
             // Rounded to the nearest byte; f32's power function may fall on the other side of a half.
-            assert!(
-                (f64::from(*byte) - expected).abs() <= 0.5 + 1e-2,
-                "{color}: {pixel:?}, expected {expected}"
-            );
+            assert!((f64::from(*byte) - expected).abs() <= 0.5 + 1e-2, "{color}: {pixel:?}, expected {expected}");
         }
         assert_eq!(pixel[3], 255);
     }
@@ -62,9 +55,7 @@ fn radiance_is_tone_mapped_and_encoded() {
 #[test]
 fn exposure_multiplies_radiance_before_tone_mapping() {
     let color = DVec3::new(0.02, 0.15, 0.4);
-    let mut scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
-    (scene.fill.sky, scene.fill.ground) = (color, color);
-    let mut renderer = renderer(&scene);
+    let mut renderer = renderer(&filled(color));
     let view = view(DVec3::Y * 2.0, DVec3::ZERO, [3, 3], Aov::Beauty);
     let raw = renderer.render(&view, &[]).unwrap();
     for exposure in [-32.0, -6.5, -1.0, 0.0, 0.25, 1.0, 3.0, 20.0, 32.0] {
@@ -86,8 +77,7 @@ fn exposure_multiplies_radiance_before_tone_mapping() {
         assert!(exposure == 0.0 || exposure.abs() > 16.0 || off(fault) > 1.0, "{exposure}");
         assert_eq!(renderer.render(&view, &[]).unwrap(), raw, "values know no exposure");
     }
-    scene.fill.sky = DVec3::splat(1e37);
-    let mut blinding = crate::support::renderer(&scene);
+    let mut blinding = crate::support::renderer(&filled(DVec3::splat(1e37)));
     let view = View { exposure: 32.0, ..view };
     assert_eq!(blinding.render_display(&view, &[]).unwrap()[16..20], [255; 4]);
     let raw = blinding.render(&view, &[]).unwrap();
@@ -111,7 +101,7 @@ fn the_background_is_black() {
 fn files_hold_the_picture() {
     let mut renderer = renderer(&scene_of([floor(1.0, 0.0)], vec![Material::default()]));
     let view = view(DVec3::Y * 2.0, DVec3::ZERO, [4, 3], Aov::Beauty);
-    let lights = instances(&[named(spot(DVec3::Y * 3.0, DVec3::ZERO))]);
+    let lights = instances(&[spot(DVec3::Y * 3.0, DVec3::ZERO)]);
     let decoded = |file: Vec<u8>| image::load_from_memory(&file).unwrap().into_rgb8();
     // The middle is nearest, so brightest.
     let depth = View { aov: Aov::Depth, ..view.clone() };

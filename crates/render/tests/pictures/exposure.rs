@@ -54,8 +54,7 @@ fn no_exposure_is_too_much_for_single_precision() {
         for exposure in [-100.0, 100.0] {
             let light = light.clone().with(EXPOSURE, exposure).with(DECAY, light::Decay::InverseSquare);
             // `picture` asserts finite values.
-            let brightest =
-                picture(&table(), &view, &[light]).pixels.iter().flatten().copied().fold(0.0, f32::max);
+            let brightest = picture(&table(), &view, &[light]).pixels.iter().flatten().copied().fold(0.0, f32::max);
             assert!(brightest > 0.0, "{exposure} stops");
         }
     }

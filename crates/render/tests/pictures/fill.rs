@@ -5,7 +5,7 @@ use light::LightInstance;
 use render::{Aov, Picture, RenderError, Renderer, View};
 use scene::{Fill, Material};
 
-use crate::support::{EPS, floor, named, picture, renderer, scene_of, spot, view};
+use crate::support::{EPS, floor, picture, renderer, scene_of, spot, view};
 
 const SKY: DVec3 = DVec3::new(0.10, 0.115, 0.145);
 
@@ -13,7 +13,7 @@ const SKY: DVec3 = DVec3::new(0.10, 0.115, 0.145);
 fn lit_in_the_middle(fills: &[f64]) -> Vec<Picture> {
     let mut scene = scene_of([floor(1.5, 0.0)], vec![Material::default()]);
     scene.fill = Fill { sky: SKY, ground: DVec3::ZERO };
-    let lights = [named(spot(DVec3::Y, DVec3::ZERO))];
+    let lights = [spot(DVec3::Y, DVec3::ZERO)];
     let view = view(DVec3::new(0.0, 5.0, 0.01), DVec3::ZERO, [60, 40], Aov::Beauty);
     fills.iter().map(|&fill| picture(&scene, &View { fill, samples: 2, ..view.clone() }, &lights)).collect()
 }
@@ -25,11 +25,9 @@ fn without_fill_nothing_is_left_where_no_light_reaches() {
     assert_eq!(none.pixels.iter().map(|p| p[3]).sum::<f32>(), whole.pixels.iter().map(|p| p[3]).sum::<f32>());
     let (mut dark, mut lit) = (0, 0);
     for ((none, whole), more) in none.pixels.iter().zip(&whole.pixels).zip(&more.pixels) {
-        let [alone, whole, more] =
-            [none, whole, more].map(|[r, g, b, _]| DVec3::new(*r as f64, *g as f64, *b as f64));
+        let [alone, whole, more] = [none, whole, more].map(|[r, g, b, _]| DVec3::new(*r as f64, *g as f64, *b as f64));
         let covered = f64::from(none[3]);
-        (dark, lit) =
-            (dark + u32::from(covered == 1.0 && alone == DVec3::ZERO), lit + u32::from(alone.x > 0.0));
+        (dark, lit) = (dark + u32::from(covered == 1.0 && alone == DVec3::ZERO), lit + u32::from(alone.x > 0.0));
         // A white floor that faces up returns the sky's light. A pixel is a sum of two samples of fill and light, each
         // rounded at most four times.
         let fits = |picture: DVec3, factor: f64| {

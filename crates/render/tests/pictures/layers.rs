@@ -1,22 +1,19 @@
 //! Tests of layers: an edit draws only the edited light, and the picture is that of a fresh renderer.
 
-use std::sync::Arc;
 use std::task::Poll;
 use std::time::Duration;
 
 use glam::{DVec3, Vec4};
-use light::parameters::{
-    COLOR, DIFFUSE, ENABLED, EXPOSURE, INTENSITY, NAME, RANGE, SHADOW_COLOR, SPECULAR, TRANSLATION,
-};
+use light::parameters::{COLOR, DIFFUSE, ENABLED, EXPOSURE, INTENSITY, RANGE, SHADOW_COLOR, SPECULAR, TRANSLATION};
 use light::{Light, LightInstance};
 use render::{
-    Aov, Backend, Cause, Gpu, MapScale, MemoryBudget, MemoryKind, Pass, PassCounts, Pixels, Renderer,
+    Aov, Backend, Cause, MapScale, MemoryBudget, MemoryKind, Pass, PassCounts, Pixels, Renderer, ShadowSettings,
     TiledPicture, View, ViewSlot,
 };
 use scene::{Material, Scene};
 
 use crate::support::{
-    BACKENDS, floor, instances, named, renderer, renderer_of, scene_of, since, spot, unstraightened, view,
+    BACKENDS, floor, instances, oblique, renderer, renderer_of, renderer_within, scene_of, since, spot, unstraightened,
 };
 
 fn tables() -> Scene {
@@ -30,10 +27,10 @@ fn lights(count: usize) -> Vec<Light> {
         let (z, x) = (k as f64 * 2.4).sin_cos();
         let spot = spot(DVec3::new(x, 3.0, z), DVec3::ZERO);
         let shape = match k % 4 {
-            0 => named(spot),
-            1 => light::bend(&spot.with(RANGE, Some(6.0)), 2).unwrap().with(NAME, "bent".into()),
-            2 => named(Light::omni().with_transform(spot.transform())),
-            _ => named(Light::directional().with_transform(spot.transform())),
+            0 => spot,
+            1 => light::bend(&spot.with(RANGE, Some(6.0)), 2).unwrap(),
+            2 => Light::omni().with_transform(spot.transform()),
+            _ => Light::directional().with_transform(spot.transform()),
         };
         let share = 4.0 / count.max(4) as f64;
         shape
@@ -48,7 +45,7 @@ fn lights(count: usize) -> Vec<Light> {
 }
 
 fn camera() -> View {
-    view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [75, 61], Aov::Beauty)
+    oblique([75, 61], Aov::Beauty)
 }
 
 /// Returns the same picture with lights added one after another.
@@ -57,6 +54,20 @@ fn added_up(renderer: &mut Renderer, lights: &[LightInstance]) -> Vec<u8> {
     while !renderer.advance_tiled(&mut picture, Duration::from_secs(9)).unwrap() {}
     let Pixels::Display { bytes, .. } = picture.into_pixels() else { panic!("bytes") };
     bytes
+}
+
+/// Returns a renderer of the tables with small shadow maps, which draw forty lights in a moment.
+fn of_tables(backend: Backend) -> Renderer {
+    let mut renderer = renderer_of(backend, &tables());
+    renderer.set_shadow_settings(ShadowSettings { resolution: 256, ..unstraightened() }).unwrap();
+    renderer
+}
+
+/// Returns a renderer with a device of its own and small shadow maps, so that layers take most of the memory.
+fn with_coarse_maps(memory: &MemoryBudget, backend: Backend) -> Renderer {
+    let mut renderer = renderer_within(memory, backend, &tables());
+    renderer.set_shadow_settings(ShadowSettings { resolution: 64, ..unstraightened() }).unwrap();
+    renderer
 }
 
 fn farthest(a: &[u8], b: &[u8]) -> u8 {
@@ -84,7 +95,7 @@ fn a_picture_in_turns_is_the_picture() {
     for backend in BACKENDS {
         for count in [1, 4, 9, 42] {
             let lights = instances(&lights(count));
-            let (mut whole, mut turned) = (renderer_of(backend, &tables()), renderer_of(backend, &tables()));
+            let (mut whole, mut turned) = (of_tables(backend), of_tables(backend));
             let drawn = whole.render_display(&camera(), &lights).unwrap();
             let (bytes, turns) = in_turns(&mut turned, &lights);
             assert_eq!(bytes, drawn, "{count} lights, {backend:?}");
@@ -94,7 +105,7 @@ fn a_picture_in_turns_is_the_picture() {
             assert_eq!(of_turned.shadow, of_whole.shadow, "maps, {backend:?}");
             assert_eq!(of_turned.layers, 2 * of_whole.layers, "layers of two views, {backend:?}");
             // Deliberate fault that the check must detect: a picture of the first turn alone lacks lights.
-            let (mut begun, later) = (renderer_of(backend, &tables()), &lights[..count - 1]);
+            let (mut begun, later) = (of_tables(backend), &lights[..count - 1]);
             assert!(begun.advance_display(&camera(), &lights, Duration::ZERO).unwrap().is_pending());
             assert_ne!(begun.render_display(&camera(), later).unwrap(), drawn);
         }
@@ -107,7 +118,7 @@ fn a_picture_in_turns_is_the_picture() {
 fn layers_add_up_to_the_picture() {
     for backend in BACKENDS {
         for count in [0, 1, 4, 8, 9, 42, 130] {
-            let mut renderer = renderer_of(backend, &tables());
+            let mut renderer = of_tables(backend);
             let mut lights = instances(&lights(count));
             let drawn = renderer.render_display(&camera(), &lights).unwrap();
             assert_eq!(renderer.counts().layers, count as u64);
@@ -131,13 +142,7 @@ fn layers_add_up_to_the_picture() {
 fn more_lights_than_layers_fit_are_added_one_by_one() {
     for backend in BACKENDS {
         let draw = |budget: u64| {
-            let gpu =
-                Gpu::open(MemoryBudget::new(budget), Some(backend)).expect("tests need a graphics driver");
-            let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
-            renderer
-                .set_shadow_settings(render::ShadowSettings { resolution: 64, ..unstraightened() })
-                .unwrap();
-            renderer.set_scene(&scene::pose(tables())).unwrap();
+            let mut renderer = with_coarse_maps(&MemoryBudget::new(budget), backend);
             let lights = instances(&lights(12));
             let drawn = renderer.render_display(&camera(), &lights).unwrap();
             (drawn, renderer.counts().layers, added_up(&mut renderer, &lights))
@@ -155,11 +160,10 @@ fn more_lights_than_layers_fit_are_added_one_by_one() {
 /// light is unchanged. With one exponent for both, it would have steps of 2^-18 of the highlight, several bytes each.
 #[test]
 fn a_highlight_does_not_take_from_what_is_scattered() {
-    let black =
-        Material { roughness: 0.1, base_color: Vec4::new(1e-3, 1e-3, 1e-3, 1.0), ..Material::default() };
+    let black = Material { roughness: 0.1, base_color: Vec4::new(1e-3, 1e-3, 1e-3, 1.0), ..Material::default() };
     let mut renderer = renderer(&scene_of([floor(3.0, 0.0)], vec![black]));
     let across = DVec3::new(-2.0, 3.0, -4.0);
-    let light = named(Light::omni().with(TRANSLATION, across).with(INTENSITY, 4e4));
+    let light = Light::omni().with(TRANSLATION, across).with(INTENSITY, 4e4);
     let draw = |renderer: &mut Renderer, specular: f64| {
         let lights = instances(&[light.clone().with(SPECULAR, specular)]);
         let drawn = renderer.render_display(&camera(), &lights).unwrap();
@@ -191,15 +195,14 @@ fn passes_say_why_they_ran() {
     let base = |cause| vec![(Pass::Gbuffer, None, cause), (Pass::Lighting, None, cause)];
     let first = Cause::First;
     let ids: Vec<u64> = instances(&lights).iter().map(|light| light.id.0).collect();
-    let both =
-        |map: Option<Cause>, layer| [of_light(ids[0], map, layer), of_light(ids[1], map, layer)].concat();
+    let both = |map: Option<Cause>, layer| [of_light(ids[0], map, layer), of_light(ids[1], map, layer)].concat();
     let all = |base: Vec<_>, lights: Vec<_>| [base, lights, vec![shown]].concat();
 
     assert_eq!(ran(&mut renderer, &view, &lights), all(base(first), both(Some(first), first)));
     assert_eq!(ran(&mut renderer, &view, &lights), [shown]);
-    lights[0] = lights[0].clone().with(INTENSITY, 3.0);
+    lights[0].set(INTENSITY.to(3.0));
     assert_eq!(ran(&mut renderer, &view, &lights), [shown]);
-    lights[0] = lights[0].clone().with(TRANSLATION, DVec3::new(0.1, 3.0, 0.2));
+    lights[0].set(TRANSLATION.to(DVec3::new(0.1, 3.0, 0.2)));
     let moved = of_light(ids[0], Some(Cause::Light), Cause::Light);
     assert_eq!(ran(&mut renderer, &view, &lights), all(Vec::new(), moved));
     view.camera.translation += DVec3::X * 0.01;
@@ -208,12 +211,9 @@ fn passes_say_why_they_ran() {
     let scene = both(Some(Cause::Scene), Cause::Gbuffer);
     assert_eq!(ran(&mut renderer, &view, &lights), all(base(Cause::Scene), scene));
     // Coarser maps serve until finer ones are needed.
-    lights[1] = lights[1].clone().with(TRANSLATION, DVec3::new(0.5, 3.0, 0.2));
+    lights[1].set(TRANSLATION.to(DVec3::new(0.5, 3.0, 0.2)));
     view.shadow_map = MapScale::Half;
-    assert_eq!(
-        ran(&mut renderer, &view, &lights),
-        all(Vec::new(), of_light(ids[1], Some(Cause::Light), Cause::Light))
-    );
+    assert_eq!(ran(&mut renderer, &view, &lights), all(Vec::new(), of_light(ids[1], Some(Cause::Light), Cause::Light)));
     view.shadow_map = MapScale::Full;
     let finer = of_light(ids[1], Some(Cause::Resolution), Cause::Resolution);
     assert_eq!(ran(&mut renderer, &view, &lights), all(Vec::new(), finer));
@@ -228,19 +228,13 @@ fn lights_outside_of_the_view_draw_nothing() {
         let lit = lights(count);
         // Every fourth light is directional: it shines everywhere.
         let away = |k: usize| k % 4 < 2;
-        let beside: Vec<Light> = lit
-            .iter()
-            .enumerate()
-            .map(|(k, light)| {
-                let by = if away(k) { away_by } else { DVec3::ZERO };
-                light.clone().with(TRANSLATION, light.get(TRANSLATION) + by)
-            })
-            .collect();
-        let without: Vec<Light> =
-            beside.iter().enumerate().filter(|(k, _)| !away(*k)).map(|(_, light)| light.clone()).collect();
-        let draw = |renderer: &mut Renderer, lights: &[Light]| {
-            renderer.render_display(&camera(), &instances(lights)).unwrap()
-        };
+        let mut beside = lit.clone();
+        for (_, light) in beside.iter_mut().enumerate().filter(|(k, _)| away(*k)) {
+            light.set(TRANSLATION.to(light.get(TRANSLATION) + away_by));
+        }
+        let without: Vec<Light> = (0..count).filter(|k| !away(*k)).map(|k| lit[k].clone()).collect();
+        let draw =
+            |renderer: &mut Renderer, lights: &[Light]| renderer.render_display(&camera(), &instances(lights)).unwrap();
         let mut renderer = renderer(&tables());
         let drawn = draw(&mut renderer, &beside);
         let before = renderer.counts();
@@ -256,29 +250,33 @@ fn lights_outside_of_the_view_draw_nothing() {
     }
 }
 
-/// Passes after an edit of the first light in a picture of `count` lights.
-fn drawn_by(backend: Backend, count: usize, edit: impl FnOnce(&mut View, &mut Vec<Light>)) -> PassCounts {
-    let mut renderer = renderer_of(backend, &tables());
-    let (mut view, mut lights) = (camera(), lights(count));
+/// Returns the passes after an edit of a picture of `lights`.
+fn drawn_by(
+    backend: Backend,
+    renderer: &mut Renderer,
+    lights: &[Light],
+    edit: impl FnOnce(&mut View, &mut [Light]),
+) -> PassCounts {
+    let (mut view, mut lights) = (camera(), lights.to_vec());
     renderer.render_display(&view, &instances(&lights)).unwrap();
     let before = renderer.counts();
     edit(&mut view, &mut lights);
     let drawn = renderer.render_display(&view, &instances(&lights)).unwrap();
-    let now = renderer.counts();
-    let alone = renderer_of(backend, &tables()).render_display(&view, &instances(&lights)).unwrap();
+    let alone = of_tables(backend).render_display(&view, &instances(&lights)).unwrap();
     assert_eq!(drawn, alone);
-    since(before, now)
+    since(before, renderer.counts())
 }
 
 /// Each edit draws only what depends on it, and the result is that of a fresh renderer, to the last bit.
 #[test]
 fn an_edit_draws_what_it_touches() {
     for backend in BACKENDS {
-        // Beyond eight lights there are sums. On one core, a map per light dominates the time.
-        for count in if backend == Backend::Wgpu { [3, 30] } else { [3, 9] } {
+        // Beyond eight lights there are sums.
+        for count in [3, 30] {
+            let (mut renderer, lights) = (of_tables(backend), lights(count));
             let shown = PassCounts { display: 1, ..PassCounts::default() };
-            let edit = |change: fn(Light) -> Light| {
-                drawn_by(backend, count, |_, lights| lights[1] = change(lights[1].clone()))
+            let mut edit = |change: fn(Light) -> Light| {
+                drawn_by(backend, &mut renderer, &lights, |_, lights| lights[1] = change(lights[1].clone()))
             };
             assert_eq!(edit(|light| light), shown);
             assert_eq!(edit(|light| light.with(INTENSITY, 7.0)), shown);
@@ -287,25 +285,25 @@ fn an_edit_draws_what_it_touches() {
             assert_eq!(edit(|light| light.with(DIFFUSE, 0.0)), shown);
             assert_eq!(edit(|light| light.with(SPECULAR, 0.0)), shown);
             assert_eq!(edit(|light| light.with(ENABLED, false)), shown);
-            assert_eq!(drawn_by(backend, count, |view, _| view.exposure = 1.0), shown);
             // Deliberate fault that the check must detect: an edit that the light's layer depends on.
             let layer = PassCounts { layers: 1, ..shown };
             assert_eq!(edit(|light| light.with(SHADOW_COLOR, DVec3::X)), layer);
             let moved = edit(|light| light.with(TRANSLATION, DVec3::new(0.2, 3.0, 0.9)));
             assert_eq!(moved, PassCounts { shadow: 1, ..layer });
+            assert_eq!(drawn_by(backend, &mut renderer, &lights, |view, _| view.exposure = 1.0), shown);
             // The CPU has no separate pass for the fill; it shows the fill with the lights.
             let lighting = u64::from(backend == Backend::Wgpu);
             let all = PassCounts { gbuffer: 1, lighting, layers: count as u64, ..shown };
-            assert_eq!(drawn_by(backend, count, |view, _| view.camera.translation.x += 0.1), all);
+            assert_eq!(drawn_by(backend, &mut renderer, &lights, |view, _| view.camera.translation.x += 0.1), all);
         }
     }
 }
 
 /// Lights that are left out and come back, as by mute and solo, draw nothing.
 #[test]
-fn lights_that_come_back_are_still_held() {
+fn lights_that_come_back_are_still_cached() {
     for backend in BACKENDS {
-        let (mut renderer, all) = (renderer_of(backend, &tables()), instances(&lights(12)));
+        let (mut renderer, all) = (of_tables(backend), instances(&lights(12)));
         let mut show = |lights: &[LightInstance]| {
             let drawn = renderer.render_display(&camera(), lights).unwrap();
             (drawn, renderer.counts().layers)
@@ -321,8 +319,8 @@ fn lights_that_come_back_are_still_held() {
 #[test]
 fn the_picture_knows_no_history() {
     for backend in BACKENDS {
-        let (mut renderer, mut lights) = (renderer_of(backend, &tables()), lights(17));
-        let mut fresh = renderer_of(backend, &tables());
+        let (mut renderer, mut lights) = (of_tables(backend), lights(17));
+        let mut fresh = of_tables(backend);
         for turn in 0..24_usize {
             let which = turn * 7 % lights.len();
             let light = lights[which].clone();
@@ -345,39 +343,33 @@ fn the_picture_knows_no_history() {
 fn layers_are_bounded_and_made_again() {
     // Textures have 16 bytes per pixel of a layer and 8 of a sum; the CPU holds six floats and three.
     for (backend, layer, sum) in [(Backend::Wgpu, 16, 8), (Backend::Native, 24, 12)] {
-        are_bounded_and_made_again(backend, (20 * layer + 5 * sum) * 75 * 61);
-    }
-}
-
-fn are_bounded_and_made_again(backend: Backend, bytes_of_a_view: u64) {
-    let draw = |budget: u64| {
-        let memory = MemoryBudget::new(budget);
-        let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
-        let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
-        renderer.set_shadow_settings(render::ShadowSettings { resolution: 64, ..unstraightened() }).unwrap();
-        renderer.set_scene(&scene::pose(tables())).unwrap();
-        let mut lights = lights(20);
-        let mut most = 0;
-        let pictures: Vec<Vec<u8>> = (0..12)
-            .map(|turn| {
-                // Then each view needs a new layer of each group for its sums.
-                if turn % 4 == 0 {
-                    for light in &mut lights {
-                        light.set(INTENSITY.to(0.3 + 0.1 * f64::from(turn)));
+        let bytes_of_a_view = (20 * layer + 5 * sum) * 75 * 61;
+        let draw = |budget: u64| {
+            let memory = MemoryBudget::new(budget);
+            let mut renderer = with_coarse_maps(&memory, backend);
+            let mut lights = lights(20);
+            let mut most = 0;
+            let pictures: Vec<Vec<u8>> = (0..12)
+                .map(|turn| {
+                    // Then each view needs a new layer of each group for its sums.
+                    if turn % 4 == 0 {
+                        for light in &mut lights {
+                            light.set(INTENSITY.to(0.3 + 0.1 * f64::from(turn)));
+                        }
                     }
-                }
-                let view = View { slot: ViewSlot(turn as u64 % 4), ..camera() };
-                let picture = renderer.render_display(&view, &instances(&lights)).unwrap();
-                most = most.max(memory.bytes(MemoryKind::Layers));
-                picture
-            })
-            .collect();
-        (pictures, most, memory.total(), renderer.counts().layers)
-    };
-    let (rich, most, total, layers) = draw(1 << 30);
-    assert_eq!((most, layers), (4 * bytes_of_a_view, 80));
-    let budget = total - 2 * bytes_of_a_view;
-    let (poor, most, total, layers) = draw(budget);
-    assert!(poor == rich);
-    assert!(most <= 4 * bytes_of_a_view && total <= budget && layers > 80, "{most} {total} {layers}");
+                    let view = View { slot: ViewSlot(turn as u64 % 4), ..camera() };
+                    let picture = renderer.render_display(&view, &instances(&lights)).unwrap();
+                    most = most.max(memory.bytes(MemoryKind::Layers));
+                    picture
+                })
+                .collect();
+            (pictures, most, memory.total(), renderer.counts().layers)
+        };
+        let (rich, most, total, layers) = draw(1 << 30);
+        assert_eq!((most, layers), (4 * bytes_of_a_view, 80));
+        let budget = total - 2 * bytes_of_a_view;
+        let (poor, most, total, layers) = draw(budget);
+        assert!(poor == rich);
+        assert!(most <= 4 * bytes_of_a_view && total <= budget && layers > 80, "{most} {total} {layers}");
+    }
 }

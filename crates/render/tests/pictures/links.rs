@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
-use light::parameters::{CONE_ANGLE, DECAY, LIGHT_LINK, NAME, RANGE, SHADOW_LINK};
+use light::parameters::{CONE_ANGLE, DECAY, LIGHT_LINK, RANGE, SHADOW_LINK};
 use light::{Decay, Light, Links, ParameterKey};
-use render::{Aov, Gpu, MemoryKind, Picture, Renderer, View};
+use render::{Aov, Gpu, MemoryKind, Picture, View};
 use scene::{Material, Mesh, Node, Scene};
 
-use crate::support::{instances, picture, renderer, spot, square, unstraightened, view};
+use crate::support::{instances, picture, renderer, renderer_on, since, spot, square, view};
 
 /// Returns a floor, and a group of two tables with one mesh and one name, the second above a corner of the first.
 fn tables() -> Scene {
@@ -20,12 +20,8 @@ fn tables() -> Scene {
         let at = DVec3::from_array(at);
         DAffine3::from_scale_rotation_translation(DVec3::splat(half), DQuat::IDENTITY, at)
     };
-    let node = |name: &str, parent, parent_from_local, mesh| Node {
-        name: name.into(),
-        parent,
-        parent_from_local,
-        mesh,
-    };
+    let node =
+        |name: &str, parent, parent_from_local, mesh| Node { name: name.into(), parent, parent_from_local, mesh };
     scene.nodes = vec![
         node("floor", None, placed(3.0, [0.0; 3]), Some(0)),
         node("tables", None, DAffine3::IDENTITY, None),
@@ -77,7 +73,7 @@ fn keys() -> [Light; 2] {
 }
 
 fn other() -> Light {
-    spot(DVec3::new(-1.5, 2.5, 0.5), DVec3::ZERO).with(NAME, "other".into())
+    spot(DVec3::new(-1.5, 2.5, 0.5), DVec3::ZERO)
 }
 
 /// Compares pictures: true if they agree on the pixels in `shows`, and true if they agree on the others.
@@ -106,10 +102,8 @@ fn a_node_that_is_left_out_loses_that_light_and_nothing_else() {
         }
         // A path that names no node changes nothing. Deliberate fault that the check must detect: the path of the other
         // table, above.
-        let none = key
-            .clone()
-            .with(LIGHT_LINK, links(&[], &["tables/chair"]))
-            .with(SHADOW_LINK, links(&[], &["chair"]));
+        let none =
+            key.clone().with(LIGHT_LINK, links(&[], &["tables/chair"])).with(SHADOW_LINK, links(&[], &["chair"]));
         assert_eq!(drawn(&tables(), &[none, other()]), all);
     }
 }
@@ -132,7 +126,7 @@ fn the_deepest_entry_decides() {
 
 /// Rules: LINK-1, LINK-2
 #[test]
-fn what_throws_no_shadow_receives_some() {
+fn nodes_that_cast_no_shadow_receive_some() {
     for key in keys() {
         let all = drawn(&tables(), std::slice::from_ref(&key));
         let linked = |path: &str| drawn(&tables(), &[key.clone().with(SHADOW_LINK, links(&[], &[path]))]);
@@ -144,8 +138,7 @@ fn what_throws_no_shadow_receives_some() {
         let upper = shows(3);
         let nothing = drawn(&tables(), &[key.clone().with(SHADOW_LINK, links(&["floor"], &[]))]);
         assert_eq!(same(&nothing, &all, &upper), [true, false]);
-        let visible =
-            |links| picture(&tables(), &seen(Aov::Visibility), &[key.clone().with(SHADOW_LINK, links)]);
+        let visible = |links| picture(&tables(), &seen(Aov::Visibility), &[key.clone().with(SHADOW_LINK, links)]);
         let is_lit = |picture: &Picture| picture.pixels.iter().filter(|p| p[3] == 1.0).all(|p| p[0] == 1.0);
         assert!(is_lit(&visible(links(&["floor"], &[]))));
         assert!(is_lit(&visible(links(&[], &["tables"]))));
@@ -180,17 +173,14 @@ fn another_scene_may_have_the_node() {
 #[test]
 fn only_lights_with_links_take_room() {
     let gpu = Arc::new(Gpu::new().expect("a graphics driver"));
-    let mut renderer = Renderer::new(Arc::clone(&gpu)).expect("a renderer");
-    renderer.set_shadow_settings(unstraightened()).expect("sound");
-    renderer.set_scene(&scene::pose(tables())).expect("it fits");
+    let mut renderer = renderer_on(Arc::clone(&gpu), &tables());
     let [key, bent] = keys();
     let mut taken = |lights: &[Light]| {
         renderer.render(&seen(Aov::Beauty), &instances(lights)).expect("drawn");
         gpu.memory().bytes(MemoryKind::Scenes)
     };
-    let linked = |light: &Light| {
-        light.clone().with(LIGHT_LINK, links(&["floor"], &[])).with(SHADOW_LINK, links(&[], &[FIRST]))
-    };
+    let linked =
+        |light: &Light| light.clone().with(LIGHT_LINK, links(&["floor"], &[])).with(SHADOW_LINK, links(&[], &[FIRST]));
     let unlinked = taken(&[key.clone(), bent.clone()]);
     let one = taken(&[linked(&key), bent.clone()]);
     assert!(one > unlinked);
@@ -208,8 +198,8 @@ fn links_draw_what_depends_on_them() {
         let mut draw = |key: &Light| {
             let before = renderer.counts();
             renderer.render(&seen(Aov::Beauty), &instances(&[key.clone(), other()])).expect("drawn");
-            let after = renderer.counts();
-            [after.gbuffer - before.gbuffer, after.shadow - before.shadow, after.lighting - before.lighting]
+            let drawn = since(before, renderer.counts());
+            [drawn.gbuffer, drawn.shadow, drawn.lighting]
         };
         let set = |row: ParameterKey<Option<Links>>, path| key.clone().with(row, links(&[], &[path]));
         assert_eq!(draw(&key), [1, 2, 1]);

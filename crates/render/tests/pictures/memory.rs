@@ -1,34 +1,23 @@
 //! Tests of cached memory, of small budgets, and of its release.
 
-use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use glam::DVec3;
-use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SHADOW_ENABLE, SHADOW_LINK, TRANSLATION};
+use light::parameters::{CONE_ANGLE, INTENSITY, RANGE, SHADOW_ENABLE, SHADOW_LINK, TRANSLATION};
 use light::{Light, LightInstance, Links};
 use render::{
-    Aov, Backend, FileNeeds, Gpu, MemoryBudget, MemoryKind, Picture, Pixels, Renderer, TiledPicture, View,
-    ViewSlot,
+    Aov, Backend, FileNeeds, MemoryBudget, MemoryKind, Picture, Pixels, Renderer, TiledPicture, View, ViewSlot,
 };
-use scene::{Material, Scene};
 
-use crate::support::{BACKENDS, floor, instances, named, scene_of, spot, unstraightened, view};
+use crate::support::{BACKENDS, instances, oblique, renderer_within, spot, tables, view};
 
 /// Bytes of a map of 2048 x 2048 texels.
 const MAP: u64 = 4 << 22;
 
-fn tables() -> Scene {
-    scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
-}
-
 /// Returns a renderer with a device of its own, and that budget in bytes.
 fn renderer(backend: Backend, budget: u64) -> (Renderer, MemoryBudget) {
     let memory = MemoryBudget::new(budget);
-    let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
-    let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
-    renderer.set_shadow_settings(unstraightened()).unwrap();
-    renderer.set_scene(&scene::pose(tables())).unwrap();
-    (renderer, memory)
+    (renderer_within(&memory, backend, &tables()), memory)
 }
 
 /// Spots and bent lights in turn, around the table.
@@ -38,25 +27,20 @@ fn lights(count: usize) -> Vec<Light> {
         let intensity = 1.0 + k as f64;
         let spot = spot(DVec3::new(x, 3.0, z), DVec3::ZERO).with(INTENSITY, intensity);
         if k.is_multiple_of(2) {
-            return named(spot);
+            return spot;
         }
-        let bent = light::bend(&spot.with(RANGE, Some(6.0)), 2).unwrap();
-        bent.with(NAME, "bent".into())
+        light::bend(&spot.with(RANGE, Some(6.0)), 2).unwrap()
     };
     (0..count).map(light).collect()
 }
 
 fn camera(slot: u64) -> View {
     let slot = ViewSlot(slot);
-    View { samples: 2, slot, ..view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [150, 140], Aov::Beauty) }
+    View { samples: 2, slot, ..oblique([150, 140], Aov::Beauty) }
 }
 
 /// Draws at once and in tiles. Also returns the largest number of cached bytes.
-fn pictures(
-    renderer: &mut Renderer,
-    memory: &MemoryBudget,
-    lights: &[LightInstance],
-) -> (Picture, Pixels, u64) {
+fn pictures(renderer: &mut Renderer, memory: &MemoryBudget, lights: &[LightInstance]) -> (Picture, Pixels, u64) {
     let whole = renderer.render(&camera(1), lights).unwrap();
     let mut most = memory.total();
     let mut picture = TiledPicture::for_files(&camera(2), lights, FileNeeds::Values).unwrap();
@@ -69,7 +53,7 @@ fn pictures(
 /// Maps that do not fit into the budget are drawn one after another and used at once. The picture is the same to the
 /// last bit.
 #[test]
-fn little_memory_makes_the_same_pictures() {
+fn a_small_budget_makes_the_same_pictures() {
     for backend in BACKENDS {
         let lights = instances(&lights(7));
         let (mut rich, rich_ledger) = renderer(backend, 1 << 30);
@@ -97,12 +81,9 @@ fn wide_lights_are_counted_by_their_faces() {
     let backend = Backend::Wgpu;
     let (mut renderer, memory) = renderer(backend, 1 << 30);
     let maps = |angles: &[f64], renderer: &mut Renderer| {
-        let spots =
-            angles.iter().map(|&cone_angle| spot(DVec3::Y * 3.0, DVec3::ZERO).with(CONE_ANGLE, cone_angle));
-        let bent = |spot: &Light| {
-            light::bend(&spot.clone().with(RANGE, Some(6.0)), 2).unwrap().with(NAME, "bent".into())
-        };
-        let lights: Vec<_> = spots.flat_map(|spot| [bent(&spot), named(spot)]).collect();
+        let spots = angles.iter().map(|&cone_angle| spot(DVec3::Y * 3.0, DVec3::ZERO).with(CONE_ANGLE, cone_angle));
+        let bent = |spot: &Light| light::bend(&spot.clone().with(RANGE, Some(6.0)), 2).unwrap();
+        let lights: Vec<_> = spots.flat_map(|spot| [bent(&spot), spot]).collect();
         renderer.render(&camera(1), &instances(&lights)).unwrap();
         memory.bytes(MemoryKind::ShadowMaps)
     };
@@ -111,13 +92,6 @@ fn wide_lights_are_counted_by_their_faces() {
     // The memory of the one cannot hold the other.
     assert_eq!(maps(&[70.0], &mut renderer), 2 * MAP + 2 * 5 * MAP / 4);
     assert_eq!(renderer.counts().shadow, 6);
-}
-
-/// Returns the one device that the tests of released memory share.
-fn shared(backend: Backend) -> &'static Arc<Gpu> {
-    static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
-    let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
-    GPUS[backend as usize].get_or_init(|| Arc::new(open()))
 }
 
 /// Returns the bytes of `count` views of 150 x 140 pixels, each with the lights of a picture.
@@ -136,12 +110,10 @@ fn bytes_of_views(backend: Backend, count: u64) -> std::ops::RangeInclusive<u64>
 }
 
 #[test]
-fn what_nobody_looks_at_is_given_back() {
+fn memory_is_freed_with_the_last_view_that_needs_it() {
     for backend in BACKENDS {
-        let memory = shared(backend).memory();
-        let mut renderer = Renderer::new(Arc::clone(shared(backend))).unwrap();
-        renderer.set_shadow_settings(unstraightened()).unwrap();
-        renderer.set_scene(&scene::pose(tables())).unwrap();
+        let memory = MemoryBudget::default();
+        let mut renderer = renderer_within(&memory, backend, &tables());
         let at_rest = lights(3);
         let lights = instances(&at_rest);
         // The work buffers of bent maps stay with the scene.
@@ -171,20 +143,17 @@ fn what_nobody_looks_at_is_given_back() {
         assert_eq!(memory.total(), before);
 
         // A drag leaves no trail of maps.
-        for step in 0..5 {
-            let mut moved = at_rest.clone();
-            let translation = moved[0].transform().translation + DVec3::X * (0.1 * f64::from(step));
-            moved[0].set(TRANSLATION.to(translation));
-            renderer.render(&camera(1), &instances(&moved)).unwrap();
-            assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
-        }
-        // Neither does a drag that other views watch: each shows a step of it, and a picture under way loses nothing.
         let moved = |step: u32| {
             let mut moved = at_rest.clone();
             let translation = moved[0].transform().translation + DVec3::X * (0.1 * f64::from(step));
             moved[0].set(TRANSLATION.to(translation));
             instances(&moved)
         };
+        for step in 0..5 {
+            renderer.render(&camera(1), &moved(step)).unwrap();
+            assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
+        }
+        // Neither does a drag that other views watch: each shows a step of it, and a picture under way loses nothing.
         let mut still = TiledPicture::for_files(&camera(4), &lights, FileNeeds::Values).unwrap();
         let before = renderer.counts().shadow;
         while renderer.counts().shadow == before {
@@ -214,13 +183,11 @@ fn pictures_of_a_light_without_shadows_keep_nothing_more() {
         let shapes = if backend == Backend::Wgpu { 2 } else { 1 };
         for light in lights(shapes) {
             let with = instances(std::slice::from_ref(&light));
-            let without = with[0].light.light().clone().with(SHADOW_ENABLE, false);
-            let without = instances(&[without]);
+            let without = instances(&[light.with(SHADOW_ENABLE, false)]);
             let pictures = |renderer: &mut Renderer| {
                 for step in 0..5 {
                     let from = DVec3::new(2.0 + 0.1 * f64::from(step), 3.0, 4.0);
-                    let moved =
-                        View { camera: view(from, DVec3::ZERO, [150, 140], Aov::Beauty).camera, ..camera(1) };
+                    let moved = View { camera: view(from, DVec3::ZERO, [150, 140], Aov::Beauty).camera, ..camera(1) };
                     renderer.render(&moved, &without).unwrap();
                 }
             };
@@ -242,20 +209,15 @@ fn pictures_of_a_light_without_shadows_keep_nothing_more() {
 
 /// On the native backend, buffers have copies in CPU memory. They are counted, and freed with the scene.
 #[test]
-fn arrays_of_scenes_are_counted_where_the_processor_draws() {
+fn arrays_of_scenes_are_counted_on_the_native_backend() {
     // Two white texels: a color of four times 16 bits, and data of four times 8.
     const TEXTURES: u64 = 8 + 4;
     let mut scene = tables();
     scene.nodes[1].name = "table".into();
-    let scene = scene::pose(scene);
     let linked = lights(2).remove(1).with(SHADOW_LINK, Links::new(vec![], vec!["table".into()]));
     let [by_wgpu, by_native] = [Backend::Wgpu, Backend::Native].map(|backend| {
         let memory = MemoryBudget::new(1 << 30);
-        let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
-        assert_eq!(gpu.backend(), backend);
-        let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
-        renderer.set_shadow_settings(unstraightened()).unwrap();
-        renderer.set_scene(&scene).unwrap();
+        let mut renderer = renderer_within(&memory, backend, &scene);
         let unlinked = memory.bytes(MemoryKind::Scenes);
         renderer.render(&camera(1), &instances(std::slice::from_ref(&linked))).unwrap();
         let bytes = [unlinked, memory.bytes(MemoryKind::Scenes)];

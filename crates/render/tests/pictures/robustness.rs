@@ -1,28 +1,22 @@
 //! Tests of valid but extreme input.
 
 use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
-use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SCALE, TRANSLATION};
+use light::parameters::{CONE_ANGLE, INTENSITY, RANGE, SCALE, TRANSLATION};
 use light::{CheckedLight, Light, LightError, SceneBounds};
 use render::{Aov, RenderError, View};
-use scene::{Material, Primitive, Projection, Scene};
+use scene::{Camera, Material, Primitive, Projection, Scene};
 
-use crate::support::{floor, instances, named, picture, renderer, scene_of, spot, square, view};
+use crate::support::{instances, oblique, picture, renderer, scene_of, spot, square, tables, view};
 
-const ALL: [Aov; 7] =
-    [Aov::Beauty, Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
-
-fn tables() -> Scene {
-    scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
-}
+const ALL: [Aov; 7] = [Aov::Beauty, Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
 
 #[test]
 fn every_size_works() {
-    let lights = instances(&[named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO))]);
+    let lights = instances(&[spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO)]);
     let mut renderer = renderer(&tables());
     for size in [[1, 1], [1, 7], [5, 1], [63, 65], [257, 3], [1, 1]] {
         for aov in ALL {
-            let picture =
-                renderer.render(&view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, size, aov), &lights).unwrap();
+            let picture = renderer.render(&oblique(size, aov), &lights).unwrap();
             assert_eq!(picture.pixels.len(), (size[0] * size[1]) as usize);
             assert!(picture.pixels.iter().flatten().all(|x| x.is_finite()));
             assert!(picture.pixels.iter().any(|p| p[3] == 1.0), "{aov:?} {size:?} is empty");
@@ -35,11 +29,7 @@ fn rows_come_from_the_top_and_columns_from_the_left() {
     // A patch right of the center and nearer than it, seen from above: in the lower right of the picture.
     let patch = (
         square(),
-        DAffine3::from_scale_rotation_translation(
-            DVec3::splat(0.5),
-            DQuat::IDENTITY,
-            DVec3::new(1.0, 0.0, 1.0),
-        ),
+        DAffine3::from_scale_rotation_translation(DVec3::splat(0.5), DQuat::IDENTITY, DVec3::new(1.0, 0.0, 1.0)),
     );
     let camera = view(DVec3::new(0.0, 6.0, 0.1), DVec3::ZERO, [9, 9], Aov::Depth);
     let depths = picture(&scene_of([patch], vec![Material::default()]), &camera, &[]);
@@ -79,7 +69,7 @@ fn the_topmost_of_many_sheets_is_seen() {
 }
 
 #[test]
-fn unkind_geometry_has_no_nan() {
+fn degenerate_geometry_has_no_nan() {
     let opposed = Primitive { normals: vec![Vec3::Y, Vec3::NEG_Y, Vec3::Y, Vec3::NEG_Y], ..square() };
     let unlit = Primitive { normals: vec![Vec3::ZERO; 4], ..square() };
     let sliver = Primitive { indices: vec![0, 0, 1, 0, 1, 1, 0, 1, 2], ..square() };
@@ -102,11 +92,7 @@ fn unkind_geometry_has_no_nan() {
             for (source, intensity) in sources.into_iter().zip([1e300, 0.0, -1e300, 1e-300]) {
                 let light = spot(source, DVec3::NEG_Y).with(INTENSITY, intensity).with(CONE_ANGLE, 89.9);
                 for aov in ALL {
-                    picture(
-                        &scene,
-                        &view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [41, 31], aov),
-                        &[named(light.clone())],
-                    );
+                    picture(&scene, &oblique([41, 31], aov), std::slice::from_ref(&light));
                 }
             }
             // Edge on, and from inside a surface.
@@ -128,22 +114,18 @@ fn tiny_and_huge_scenes_are_seen_like_others() {
         view.camera.projection =
             Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05 * scale, zfar: None };
         let light = spot(DVec3::new(1.0, 3.0, 0.5) * scale, DVec3::ZERO);
-        let lit = picture(&scene, &view, &[named(light)]);
-        let (inside, dark) = lit
-            .pixels
-            .iter()
-            .filter(|p| p[3] == 1.0)
-            .fold((0, 0), |(inside, dark), p| (inside + 1, dark + usize::from(p[0] == 0.0)));
+        let lit = picture(&scene, &view, &[light]);
+        let inside = lit.pixels.iter().filter(|p| p[3] == 1.0);
+        let (inside, dark) = (inside.clone().count(), inside.filter(|p| p[0] == 0.0).count());
         assert!(inside > 100 && dark > 5, "{scale}: {inside} {dark}");
     }
 }
 
 #[test]
 fn an_empty_scene_is_black() {
-    let lights = [named(spot(DVec3::Y, DVec3::ZERO))];
+    let lights = [spot(DVec3::Y, DVec3::ZERO)];
     for aov in ALL {
-        let picture =
-            picture(&Scene::default(), &view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], aov), &lights);
+        let picture = picture(&Scene::default(), &oblique([5, 4], aov), &lights);
         assert_eq!(picture.pixels, [[0.0; 4]; 20]);
     }
 }
@@ -153,42 +135,37 @@ fn refused(view: &View, lights: &[Light]) -> RenderError {
     let mut renderer = renderer(&tables());
     let error = renderer.render(view, &instances(lights)).expect_err("this view has no picture");
     // The renderer still works.
-    let good = crate::support::view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Depth);
+    let good = oblique([5, 4], Aov::Depth);
     assert!(renderer.render(&good, &[]).unwrap().pixels.iter().any(|p| p[3] == 1.0));
     error
 }
 
 #[test]
 fn impossible_views_are_refused_with_a_sentence() {
-    let good = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Beauty);
+    let good = oblique([5, 4], Aov::Beauty);
     let with = |change: fn(&mut View)| {
         let mut view = good.clone();
         change(&mut view);
         refused(&view, &[])
     };
-    let invalid = [
+    let perspective = |yfov, znear, zfar| Projection::Perspective { yfov, aspect_ratio: None, znear, zfar };
+    let projections = [
+        perspective(4.0, 0.1, None),
+        perspective(1.0, 0.0, None),
+        perspective(1.0, 1.0, Some(1.0)),
+        Projection::Orthographic { ymag: 0.0, aspect_ratio: None, znear: 0.0, zfar: 1.0 },
+    ];
+    let projections = projections.map(|projection| {
+        let camera = Camera { projection, ..good.camera.clone() };
+        refused(&View { camera, ..good.clone() }, &[])
+    });
+    let numbers = [
         with(|v| v.width = 0),
         with(|v| v.samples = 0),
         with(|v| v.camera.translation.x = f64::NAN),
         with(|v| v.camera.translation.x = 1e60),
-        with(|v| {
-            v.camera.projection =
-                Projection::Perspective { yfov: 4.0, aspect_ratio: None, znear: 0.1, zfar: None }
-        }),
-        with(|v| {
-            v.camera.projection =
-                Projection::Perspective { yfov: 1.0, aspect_ratio: None, znear: 0.0, zfar: None }
-        }),
-        with(|v| {
-            v.camera.projection =
-                Projection::Perspective { yfov: 1.0, aspect_ratio: None, znear: 1.0, zfar: Some(1.0) }
-        }),
-        with(|v| {
-            v.camera.projection =
-                Projection::Orthographic { ymag: 0.0, aspect_ratio: None, znear: 0.0, zfar: 1.0 }
-        }),
     ];
-    for error in invalid {
+    for error in numbers.into_iter().chain(projections) {
         assert!(matches!(error, RenderError::InvalidView(_)), "{error}");
     }
     assert!(matches!(with(|v| v.height = 1_000_000), RenderError::TooLarge { .. }));
@@ -200,28 +177,28 @@ fn impossible_views_are_refused_with_a_sentence() {
 /// A light with invalid numbers never gets to a renderer; an AOV of a light out of reach is an error.
 #[test]
 fn impossible_lights_are_refused() {
-    let good = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Beauty);
+    let good = oblique([5, 4], Aov::Beauty);
     let nan = Light::spot().with(INTENSITY, f64::NAN);
-    assert_eq!(CheckedLight::new(named(nan)).expect_err("refused"), LightError::NotFinite("intensity"));
-    let far = named(spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO));
+    assert_eq!(CheckedLight::new(nan).expect_err("refused"), LightError::NotFinite("intensity"));
+    let far = spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO);
     assert!(matches!(refused(&View { aov: Aov::T, ..good }, &[far]), RenderError::OutOfReach(_)));
 }
 
 /// A light out of reach is left out, and the other lights still count.
 #[test]
 fn lights_out_of_reach_are_left_out() {
-    let near = named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO));
+    let near = spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO);
     let ranged = spot(DVec3::Y * 3.0, DVec3::ZERO).with(RANGE, Some(6.0));
-    let bent = || light::bend(&ranged, 2).unwrap().with(NAME, "bent".into());
+    let bent = || light::bend(&ranged, 2).unwrap();
     let checked = |light: &Light| CheckedLight::new(light.clone()).expect("a light");
     let far = [
-        named(spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO)),
-        named(spot(DVec3::new(1.1e15, 0.0, 0.0), DVec3::ZERO)),
+        spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO),
+        spot(DVec3::new(1.1e15, 0.0, 0.0), DVec3::ZERO),
         bent().with(TRANSLATION, DVec3::splat(3.4e38)),
         bent().with(SCALE, 1e30),
         bent().with(SCALE, 1e-30),
     ];
-    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [41, 31], Aov::Beauty);
+    let view = oblique([41, 31], Aov::Beauty);
     let alone = picture(&tables(), &view, std::slice::from_ref(&near));
     for light in far {
         assert_eq!(SceneBounds::from(&tables()).undrawable_of([&checked(&light)]).len(), 1, "{light:?}");
@@ -231,7 +208,7 @@ fn lights_out_of_reach_are_left_out() {
     assert_ne!(picture(&tables(), &view, &[]), alone);
     // Just within reach everything is finite.
     let edge = [
-        named(spot(DVec3::new(0.9e15, 0.0, 0.0), DVec3::ZERO).with(INTENSITY, 1e300)),
+        spot(DVec3::new(0.9e15, 0.0, 0.0), DVec3::ZERO).with(INTENSITY, 1e300),
         bent().with(TRANSLATION, DVec3::new(0.0, 0.9e15, 0.0)),
         bent().with(SCALE, 1e13),
         bent().with(SCALE, 1e-13),

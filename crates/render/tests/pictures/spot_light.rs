@@ -8,7 +8,7 @@ use light::{Decay, Light, Transform};
 use render::{Aov, Picture, View};
 use scene::{Material, Scene};
 
-use crate::support::{floor, named, on_plane, picture, scene_of, spot, view};
+use crate::support::{floor, on_plane, picture, scene_of, spot, view};
 
 /// Returns the floor y = 0 of one material.
 fn plane(base_color: f32, metallic: f32, roughness: f32) -> Scene {
@@ -89,14 +89,11 @@ fn radiance_is_the_closed_form() {
                 f * irradiance(&light, point) * to_light.y
             };
             let scene = plane(base as f32, metallic as f32, roughness as f32);
-            let beauty = picture(&scene, &camera(Aov::Beauty), &[named(light.clone())]);
+            let beauty = picture(&scene, &camera(Aov::Beauty), std::slice::from_ref(&light));
             // A base color of 1/4 is stored as 127.5 / 255, rounded: its own half step is added.
             let storage = if base == 0.25 { 0.5 / 127.5 * 2.0 * 1e4 } else { 0.0 };
             let worst = worst_ratio(&beauty, radiance);
-            assert!(
-                worst <= 1.0 + storage,
-                "{decay:?} {base} {metallic} {roughness}: {worst} of the tolerance"
-            );
+            assert!(worst <= 1.0 + storage, "{decay:?} {base} {metallic} {roughness}: {worst} of the tolerance");
             // Deliberate faults that the check must detect: no cosine; no 1 / pi; the profile's angle 1 % off.
             let flat = |p: DVec3| radiance(p) / (source - p).normalize().y;
             assert!(worst_ratio(&beauty, flat) > 100.0);
@@ -112,18 +109,14 @@ fn radiance_is_the_closed_form() {
 fn narrow_wide_hard_and_soft_cones_keep_their_edge() {
     for cone_angle in [0.5, 25.0, 80.0] {
         for cone_softness in [0.0, 1e-7, 0.5, 1.0] {
-            let light = key()
-                .with(CONE_ANGLE, cone_angle)
-                .with(CONE_SOFTNESS, cone_softness)
-                .with(DECAY, Decay::None);
+            let light = key().with(CONE_ANGLE, cone_angle).with(CONE_SOFTNESS, cone_softness).with(DECAY, Decay::None);
             let scene = plane(1.0, 0.0, 1.0);
             let view = camera(Aov::Visibility);
-            let lit = picture(&scene, &view, &[named(light.clone())]);
-            let beauty = picture(&scene, &camera(Aov::Beauty), &[named(light.clone())]);
+            let lit = picture(&scene, &view, std::slice::from_ref(&light));
+            let beauty = picture(&scene, &camera(Aov::Beauty), std::slice::from_ref(&light));
             let edge = cone_angle.to_radians().cos();
-            for ((point, value), (_, color)) in
-                on_plane(&lit, &view, DVec3::Y, 0.0).zip(on_plane(&beauty, &view, DVec3::Y, 0.0))
-            {
+            let [lit, beauty] = [&lit, &beauty].map(|picture| on_plane(picture, &view, DVec3::Y, 0.0));
+            for ((point, value), (_, color)) in lit.zip(beauty) {
                 if point.abs().max_element() > 19.9 {
                     continue;
                 }
@@ -145,7 +138,7 @@ fn coordinates_in_the_light_are_the_closed_form() {
     let scene = plane(1.0, 0.0, 1.0);
     let slope = light.get(CONE_ANGLE).to_radians().tan();
     let Transform { translation, rotation, .. } = light.transform();
-    let aov = |aov| picture(&scene, &camera(aov), &[named(light.clone())]);
+    let aov = |aov| picture(&scene, &camera(aov), std::slice::from_ref(&light));
     let (ts, vws, directions) = (aov(Aov::T), aov(Aov::Vw), aov(Aov::Direction));
     let view = camera(Aov::T);
     let at = |picture| on_plane(picture, &view, DVec3::Y, 0.0).map(|(_, c)| c).collect::<Vec<_>>();
@@ -159,9 +152,7 @@ fn coordinates_in_the_light_are_the_closed_form() {
         assert!((t[0] - -local.z / 4.0).abs() < 1e-5, "{point}");
         assert!((DVec3::new(vws[i][0], vws[i][1], 0.0) - vw).length() < 2e-5, "{point}");
         let direction = (translation - point).normalize();
-        assert!(
-            (DVec3::new(directions[i][0], directions[i][1], directions[i][2]) - direction).length() < 1e-5
-        );
+        assert!((DVec3::new(directions[i][0], directions[i][1], directions[i][2]) - direction).length() < 1e-5);
         compared += 1;
     }
     assert!(compared > 300);
@@ -173,7 +164,7 @@ fn a_light_ends_at_its_range() {
     let slope = light.get(CONE_ANGLE).to_radians().tan();
     let Transform { translation, rotation, .. } = light.transform();
     let view = camera(Aov::T);
-    let ts = picture(&plane(1.0, 0.0, 1.0), &view, &[named(light.clone())]);
+    let ts = picture(&plane(1.0, 0.0, 1.0), &view, std::slice::from_ref(&light));
     let mut ended = 0;
     for (point, t) in on_plane(&ts, &view, DVec3::Y, 0.0) {
         let local = rotation.inverse() * (point - translation);
@@ -188,11 +179,10 @@ fn a_light_ends_at_its_range() {
 
 #[test]
 fn lights_add_up() {
-    let (a, b) = (named(key()), named(spot(DVec3::new(-1.0, 2.5, 0.0), DVec3::ZERO)));
+    let (a, b) = (key(), spot(DVec3::new(-1.0, 2.5, 0.0), DVec3::ZERO));
     let scene = plane(1.0, 0.0, 1.0);
     let beauty = |lights: &[Light]| picture(&scene, &camera(Aov::Beauty), lights);
-    let (both, one, other) =
-        (beauty(&[a.clone(), b.clone()]), beauty(std::slice::from_ref(&a)), beauty(std::slice::from_ref(&b)));
+    let (both, one, other) = (beauty(&[a.clone(), b.clone()]), beauty(&[a]), beauty(&[b]));
     for ((sum, a), b) in both.pixels.iter().zip(&one.pixels).zip(&other.pixels) {
         // One addition in f32, and one order.
         assert_eq!(sum[0], a[0] + b[0]);

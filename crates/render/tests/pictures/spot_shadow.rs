@@ -1,19 +1,16 @@
 //! Compares shadows of a spotlight with those by similar triangles.
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec3, Vec2};
 use light::parameters::{CONE_ANGLE, DECAY};
 use light::{Decay, Light};
 use render::{Aov, View};
-use scene::{Material, Projection};
+use scene::{Image, Material, Primitive, Projection, Sampler, TextureRef};
 
-use crate::support::{floor, named, on_plane, picture, scene_of, spot, square, view};
+use crate::support::{floor, on_plane, picture, scene_of, spot, square, view};
 
 /// Returns a white floor and above it a square of half size 0.25 at height 1.
 fn blocker() -> scene::Scene {
-    scene_of(
-        [floor(4.0, 0.0), floor(0.25, 1.0)],
-        vec![Material { double_sided: true, ..Material::default() }],
-    )
+    scene_of([floor(4.0, 0.0), floor(0.25, 1.0)], vec![Material { double_sided: true, ..Material::default() }])
 }
 
 /// Returns a spotlight that shines straight down from height 3 with an angle of 40 degrees.
@@ -30,7 +27,7 @@ fn camera() -> View {
 /// `half_size`, and number in that shadow.
 fn wrong(half_size: f64) -> (usize, usize) {
     let view = camera();
-    let lit = picture(&blocker(), &view, &[named(lamp())]);
+    let lit = picture(&blocker(), &view, &[lamp()]);
     let texel = 2.0 * 3.0 * 40.0_f64.to_radians().tan() / 2048.0;
     let mut count = (0, 0);
     for (point, value) in on_plane(&lit, &view, DVec3::Y, 0.0).filter(|(_, v)| v[3] == 1.0) {
@@ -61,7 +58,7 @@ fn a_floor_is_lit_beyond_what_stands_on_it() {
     let view = camera();
     let source = DVec3::new(0.9, 3.0, 0.6);
     let lamp = spot(source, DVec3::ZERO).with(CONE_ANGLE, 40.0).with(DECAY, Decay::None);
-    let lit = picture(&blocker(), &view, &[named(lamp)]);
+    let lit = picture(&blocker(), &view, &[lamp]);
     // The point where light to the floor passes the blocker's height, two thirds of the way.
     let aside = |point: DVec3| {
         let at = source + (point - source) * (2.0 / 3.0);
@@ -89,7 +86,7 @@ fn a_bare_plane_never_shadows_itself() {
         let mut view = view(DVec3::new(0.4, 0.7, 3.0), DVec3::ZERO, [173, 127], Aov::Visibility);
         view.camera.projection = Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear, zfar: None };
         let counts = |scene| {
-            let lit = picture(scene, &view, &[named(light.clone())]);
+            let lit = picture(scene, &view, std::slice::from_ref(&light));
             let inside = lit.pixels.iter().filter(|p| p[3] == 1.0).count();
             let dark = lit.pixels.iter().filter(|p| p[3] == 1.0 && p[0] < 1.0).count();
             assert!(inside > 1000);
@@ -110,13 +107,11 @@ fn contact_shadows_reach_the_contact() {
         DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
         DVec3::Y * 0.5,
     );
-    let scene = scene_of(
-        [floor(4.0, 0.0), (square(), wall)],
-        vec![Material { double_sided: true, ..Material::default() }],
-    );
+    let scene =
+        scene_of([floor(4.0, 0.0), (square(), wall)], vec![Material { double_sided: true, ..Material::default() }]);
     let light = spot(DVec3::new(0.0, 3.0, -3.0), DVec3::ZERO).with(CONE_ANGLE, 30.0);
     let view = view(DVec3::new(0.0, 1.5, 2.0), DVec3::ZERO, [151, 401], Aov::Visibility);
-    let lit = picture(&scene, &view, &[named(light)]);
+    let lit = picture(&scene, &view, &[light]);
     let texel = 2.0 * 18.0_f64.sqrt() * 30.0_f64.to_radians().tan() / 2048.0;
     let (mut compared, mut leaking) = (0, 0);
     for (point, value) in on_plane(&lit, &view, DVec3::Y, 0.0) {
@@ -131,24 +126,22 @@ fn contact_shadows_reach_the_contact() {
 }
 
 #[test]
-fn masked_holes_let_light_through() {
-    use glam::Vec2;
-    use scene::{Image, Sampler, TextureRef};
+fn alpha_tested_casters_let_light_through() {
     // The blocker's left half is a hole.
-    let (mut panel, placement) = floor(0.5, 1.0);
-    panel.uvs = panel.positions.iter().map(|p| Vec2::new(p.x * 0.5 + 0.5, 0.5)).collect();
-    panel.material = 1;
+    let (panel, placement) = floor(0.5, 1.0);
+    let uvs = panel.positions.iter().map(|p| Vec2::new(p.x * 0.5 + 0.5, 0.5)).collect();
+    let panel = Primitive { uvs, material: 1, ..panel };
     let texture = TextureRef { image: 0, sampler: Sampler { nearest: true, ..Sampler::default() } };
-    let masked = Material {
+    let alpha_tested = Material {
         alpha_cutoff: Some(0.5),
         base_color_texture: Some(texture),
         double_sided: true,
         ..Material::default()
     };
-    let mut scene = scene_of([floor(4.0, 0.0), (panel, placement)], vec![Material::default(), masked]);
+    let mut scene = scene_of([floor(4.0, 0.0), (panel, placement)], vec![Material::default(), alpha_tested]);
     scene.images.push(Image { width: 2, height: 1, rgba8: vec![255, 255, 255, 0, 255, 255, 255, 255] });
     let view = camera();
-    let lit = picture(&scene, &view, &[named(lamp())]);
+    let lit = picture(&scene, &view, &[lamp()]);
     let mut seen = [0, 0];
     for (point, value) in on_plane(&lit, &view, DVec3::Y, 0.0).filter(|(p, _)| p.z.abs() < 0.6) {
         if (0.05..0.7).contains(&point.x.abs()) {

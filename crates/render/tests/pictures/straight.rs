@@ -2,15 +2,15 @@
 
 use glam::DVec3;
 use light::parameters::{
-    COLOR_TEMPERATURE, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, CUT_ON, DECAY, DECAY_START,
-    DIFFUSE, ENABLE_COLOR_TEMPERATURE, EXPOSURE, FAR_EDGE, NEAR_EDGE, PROFILE, PROFILE_POWER, RADIAL_FALLOFF,
-    RANGE, SECTION_ROUNDNESS, SECTION_WIDTH, SHADOW_COLOR, SHADOW_ENABLE,
+    COLOR_TEMPERATURE, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, CUT_ON, DECAY, DECAY_START, DIFFUSE,
+    ENABLE_COLOR_TEMPERATURE, EXPOSURE, FAR_EDGE, NEAR_EDGE, PROFILE, PROFILE_POWER, RADIAL_FALLOFF, RANGE,
+    SECTION_ROUNDNESS, SECTION_WIDTH, SHADOW_COLOR, SHADOW_ENABLE,
 };
 use light::{CrossSection, Decay, Light, PeriodicCurve, ProfileCurve, bend_with_length};
 use render::{Aov, PassCounts, Renderer, ShadowSettings, View};
 use scene::{Material, Scene};
 
-use crate::support::{floor, instances, named, renderer, scene_of, spot, unstraightened, view};
+use crate::support::{floor, instances, oblique, renderer, scene_of, since, spot, unstraightened};
 
 fn tables() -> Scene {
     let material = Material { double_sided: true, ..Material::default() };
@@ -18,18 +18,18 @@ fn tables() -> Scene {
 }
 
 fn seen(aov: Aov) -> View {
-    view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [97, 71], aov)
+    oblique([97, 71], aov)
 }
 
 /// Returns a renderer with default settings.
-fn as_for_people() -> Renderer {
+fn straightening() -> Renderer {
     let mut renderer = renderer(&tables());
     renderer.set_shadow_settings(ShadowSettings::default()).expect("sound");
     renderer
 }
 
 fn key() -> Light {
-    named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.1, 0.0, -0.2)))
+    spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.1, 0.0, -0.2))
 }
 
 /// Returns spotlights that differ in each property that a lighting pass is compiled or placed by.
@@ -60,10 +60,9 @@ fn spots() -> Vec<Light> {
 /// Equal to the bit, for all parameters, in every AOV that does not show the curve.
 #[test]
 fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
-    let mut renderer = as_for_people();
-    let mut draw = |light: &Light, aov| {
-        renderer.render(&seen(aov), &instances(std::slice::from_ref(light))).expect("drawn")
-    };
+    let mut renderer = straightening();
+    let mut draw =
+        |light: &Light, aov| renderer.render(&seen(aov), &instances(std::slice::from_ref(light))).expect("drawn");
     for (k, spot) in spots().into_iter().enumerate() {
         let bent = bend_with_length(&spot, 3, 3.2).expect("valid");
         let aovs = [Aov::Beauty, Aov::Visibility, Aov::Vw, Aov::Direction];
@@ -77,11 +76,7 @@ fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
     // Deliberate faults that the check must detect: an end that is a hundredth beside the cone, and the same light
     // drawn as a bent one.
     let bent = bend_with_length(&key(), 3, 3.2).expect("valid");
-    let aside = bent.clone().map_points(|k, point| {
-        if k == 4 {
-            point.position.x += 0.03;
-        }
-    });
+    let aside = bent.clone().map_points(|k, point| point.position.x += if k == 4 { 0.03 } else { 0.0 });
     let expected = draw(&key(), Aov::Beauty);
     assert!(draw(&aside, Aov::Beauty) != expected);
     let own = self::renderer(&tables()).render(&seen(Aov::Beauty), &instances(&[bent])).expect("drawn");
@@ -91,18 +86,14 @@ fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
 /// Bending draws nothing. A control point that moves minimally draws its own map, and nothing once it is back.
 #[test]
 fn bending_draws_nothing() {
-    let mut renderer = as_for_people();
+    let mut renderer = straightening();
     let bent = bend_with_length(&key(), 3, 3.2).expect("valid");
-    let hair = bent.clone().map_points(|k, point| {
-        if k == 4 {
-            point.position.x += 1e-6;
-        }
-    });
+    let hair = bent.clone().map_points(|k, point| point.position.x += if k == 4 { 1e-6 } else { 0.0 });
     let mut counts = PassCounts::default();
     let mut drawn = |light: &Light| {
         renderer.render(&seen(Aov::Beauty), &instances(std::slice::from_ref(light))).expect("drawn");
-        let (before, now) = (std::mem::replace(&mut counts, renderer.counts()), renderer.counts());
-        [now.gbuffer - before.gbuffer, now.shadow - before.shadow, now.lighting - before.lighting]
+        let drawn = since(std::mem::replace(&mut counts, renderer.counts()), renderer.counts());
+        [drawn.gbuffer, drawn.shadow, drawn.lighting]
     };
     assert_eq!(drawn(&key()), [1, 1, 1]);
     assert_eq!(drawn(&bent), [0, 0, 0]);
@@ -113,8 +104,8 @@ fn bending_draws_nothing() {
 
 /// AOVs along the curve, t and the wireframe, are those of the BendyLight.
 #[test]
-fn what_shows_the_curve_is_a_bendy_lights() {
-    let (mut straight, mut by_itself) = (as_for_people(), renderer(&tables()));
+fn aovs_along_the_curve_are_a_bendy_lights() {
+    let (mut straight, mut by_itself) = (straightening(), renderer(&tables()));
     let bent = instances(&[bend_with_length(&key(), 3, 3.2).expect("valid")]);
     for aov in [Aov::T, Aov::Wireframe] {
         let drawn = straight.render(&seen(aov), &bent).expect("drawn");

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use light::parameters::{INTENSITY, NAME};
+use light::parameters::INTENSITY;
 use light::{Light, LightInstance, Transform};
 use render::{Aov, Backend, Gpu, MemoryBudget, PassCounts, Picture, Renderer, ShadowSettings, View};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
@@ -12,10 +12,6 @@ use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 pub const EPS: f64 = f64::EPSILON * 268_435_456.0;
 
 pub const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
-
-pub fn gpu() -> Arc<Gpu> {
-    gpu_of(Backend::Wgpu)
-}
 
 /// Returns the shared device, with lights drawn by `backend`.
 pub fn gpu_of(backend: Backend) -> Arc<Gpu> {
@@ -34,17 +30,35 @@ pub fn renderer(scene: &Scene) -> Renderer {
     renderer_of(Backend::Wgpu, scene)
 }
 
-/// Returns a renderer of `scene` with those settings, on `backend`.
+/// Returns a renderer of `scene` with those settings, on `backend`. All share their pipelines: compiling takes longer
+/// than drawing.
 pub fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
+    static FIRST: [OnceLock<Mutex<Renderer>>; 2] = [const { OnceLock::new() }; 2];
+    let first = || Mutex::new(Renderer::new(gpu_of(backend)).expect("the device works"));
+    let first = FIRST[backend as usize].get_or_init(first).lock().unwrap_or_else(PoisonError::into_inner);
+    with_scene(first.with_same_pipelines().expect("the device works"), scene)
+}
+
+/// Returns a renderer of `scene` with those settings, on a device of its own, whose data counts against `memory`.
+pub fn renderer_within(memory: &MemoryBudget, backend: Backend, scene: &Scene) -> Renderer {
+    let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
+    assert_eq!(gpu.backend(), backend);
+    renderer_on(Arc::new(gpu), scene)
+}
+
+/// Returns a renderer of `scene` with those settings, on that device.
+pub fn renderer_on(gpu: Arc<Gpu>, scene: &Scene) -> Renderer {
+    with_scene(Renderer::new(gpu).expect("the device works"), scene)
+}
+
+fn with_scene(mut renderer: Renderer, scene: &Scene) -> Renderer {
     scene.check().expect("test scenes keep their promises");
-    let mut renderer = Renderer::new(gpu_of(backend)).expect("the device works");
     renderer.set_shadow_settings(unstraightened()).expect("sound");
     renderer.set_scene(&scene::pose(scene.clone())).expect("test scenes fit");
     renderer
 }
 
-/// Returns a picture of `scene`, from a renderer that all tests share: compiling for a new one takes longer than
-/// drawing.
+/// Returns a picture of `scene`, from a renderer that all tests share.
 pub fn picture(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
     static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
     scene.check().expect("test scenes keep their promises");
@@ -60,9 +74,7 @@ pub fn picture(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
 /// Returns a square from -1 to 1 in the plane y = 0 that faces up.
 pub fn square() -> Primitive {
     Primitive {
-        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
-            .map(|(x, z)| Vec3::new(x, 0.0, z))
-            .into(),
+        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z)).into(),
         normals: vec![Vec3::Y; 4],
         indices: vec![0, 1, 2, 0, 2, 3],
         ..Primitive::default()
@@ -84,16 +96,40 @@ pub fn scene_of(parts: impl IntoIterator<Item = (Primitive, DAffine3)>, material
 
 /// Returns a square scaled by `half`, at `height`, in a white and rough material.
 pub fn floor(half: f64, height: f64) -> (Primitive, DAffine3) {
-    let placement =
-        DAffine3::from_scale_rotation_translation(DVec3::splat(half), DQuat::IDENTITY, DVec3::Y * height);
+    let placement = DAffine3::from_scale_rotation_translation(DVec3::splat(half), DQuat::IDENTITY, DVec3::Y * height);
     (square(), placement)
+}
+
+/// Returns a large table, and a smaller one above it.
+pub fn tables() -> Scene {
+    scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
+}
+
+/// Returns a white floor from -1 to 1 that returns the fill, which is `color` from everywhere.
+pub fn filled(color: DVec3) -> Scene {
+    let mut scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
+    (scene.fill.sky, scene.fill.ground) = (color, color);
+    scene
+}
+
+/// Returns a ball of radius 1 with its own normals, `n` facets from pole to pole and twice as many around.
+pub fn ball(n: u32) -> Primitive {
+    let around = 2 * n;
+    let at = |k: u32| {
+        let theta = std::f64::consts::PI * f64::from(k / (around + 1)) / f64::from(n);
+        let phi = std::f64::consts::TAU * f64::from(k % (around + 1)) / f64::from(around);
+        DVec3::new(theta.sin() * phi.cos(), theta.cos(), -theta.sin() * phi.sin()).as_vec3()
+    };
+    let positions: Vec<Vec3> = (0..(n + 1) * (around + 1)).map(at).collect();
+    let quads = (0..n * around).map(|k| k / around * (around + 1) + k % around);
+    let indices = quads.flat_map(|k| [k, k + around + 1, k + 1, k + 1, k + around + 1, k + around + 2]).collect();
+    Primitive { normals: positions.clone(), positions, indices, ..Primitive::default() }
 }
 
 /// Axes that look from `eye` to `target`, with -z forward.
 pub fn looking(eye: DVec3, target: DVec3) -> DMat3 {
     let back = (eye - target).normalize();
-    let right =
-        if back.cross(DVec3::Y).length() < 1e-9 { DVec3::X } else { DVec3::Y.cross(back).normalize() };
+    let right = if back.cross(DVec3::Y).length() < 1e-9 { DVec3::X } else { DVec3::Y.cross(back).normalize() };
     DMat3::from_cols(right, back.cross(right), back)
 }
 
@@ -108,17 +144,15 @@ pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
     View { aov, ..View::beauty(camera, size) }
 }
 
+/// Returns a view of `size` pixels from beside and above the middle of the scene.
+pub fn oblique(size: [u32; 2], aov: Aov) -> View {
+    view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, size, aov)
+}
+
 /// Returns a spotlight of 10 cd and 25 degrees from `source` to `target`.
 pub fn spot(source: DVec3, target: DVec3) -> Light {
     let rotation = DQuat::from_mat3(&looking(source, target));
-    Light::spot()
-        .with_transform(Transform { translation: source, rotation, scale: 1.0 })
-        .with(INTENSITY, 10.0)
-}
-
-/// Returns the light with a name, as scenes have it.
-pub fn named(light: Light) -> Light {
-    light.with(NAME, "key".into())
+    Light::spot().with_transform(Transform { translation: source, rotation, scale: 1.0 }).with(INTENSITY, 10.0)
 }
 
 /// Returns the lights as a renderer takes them: checked, and numbered from 0.

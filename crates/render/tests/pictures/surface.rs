@@ -1,10 +1,10 @@
 //! Tests of the position and orientation of surfaces.
 
-use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use render::{Aov, Picture, View};
-use scene::{Image, Material, Projection, Sampler, Scene, TextureRef};
+use scene::{Image, Material, Projection, Sampler, Scene, TextureRef, Wrap};
 
-use crate::support::{EPS, floor, picture, ray_in_world, scene_of, square, view};
+use crate::support::{EPS, floor, picture, ray_in_world, scene_of, spot, square, view};
 
 /// Returns a square tilted in all axes about `center`, and its unit normal.
 fn tilted(center: DVec3) -> (Scene, DVec3) {
@@ -84,22 +84,23 @@ fn middle(scene: &Scene, eye: DVec3) -> [f32; 4] {
 
 #[test]
 fn normals_face_the_viewer_and_one_sided_backs_are_not_drawn() {
-    let one = |double_sided, placement| {
-        scene_of([(square(), placement)], vec![Material { double_sided, ..Material::default() }])
-    };
     let (above, below) = (DVec3::new(0.3, 2.0, 0.2), DVec3::new(0.3, -2.0, 0.2));
-    let up = [0.0, 1.0, 0.0, 1.0];
-    let down = [0.0, -1.0, 0.0, 1.0];
+    let (up, down, nothing) = ([0.0, 1.0, 0.0, 1.0], [0.0, -1.0, 0.0, 1.0], [0.0; 4]);
+    let (mirrored, upside_down) = (DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0));
     // Octahedral normals in 16 bits: the axes are exact.
-    assert_eq!(middle(&one(false, DAffine3::IDENTITY), above), up);
-    assert_eq!(middle(&one(false, DAffine3::IDENTITY), below), [0.0; 4]);
-    assert_eq!(middle(&one(true, DAffine3::IDENTITY), below), down);
-    let mirrored = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
-    assert_eq!(middle(&one(false, mirrored), above), up);
-    assert_eq!(middle(&one(false, mirrored), below), [0.0; 4]);
-    let upside_down = DAffine3::from_scale(DVec3::new(1.0, -1.0, 1.0));
-    assert_eq!(middle(&one(false, upside_down), above), [0.0; 4]);
-    assert_eq!(middle(&one(false, upside_down), below), down);
+    for (double_sided, scale, eye, expected) in [
+        (false, DVec3::ONE, above, up),
+        (false, DVec3::ONE, below, nothing),
+        (true, DVec3::ONE, below, down),
+        (false, mirrored, above, up),
+        (false, mirrored, below, nothing),
+        (false, upside_down, above, nothing),
+        (false, upside_down, below, down),
+    ] {
+        let material = Material { double_sided, ..Material::default() };
+        let scene = scene_of([(square(), DAffine3::from_scale(scale))], vec![material]);
+        assert_eq!(middle(&scene, eye), expected, "double-sided {double_sided}, scale {scale}, from {eye}");
+    }
 }
 
 #[test]
@@ -107,8 +108,7 @@ fn normals_of_stretched_spheres_stay_perpendicular() {
     // A square with a slanted normal field, stretched: normals transform with the inverse transpose.
     let mut primitive = square();
     primitive.normals = vec![Vec3::new(0.6, 0.8, 0.0); 4];
-    let scene =
-        scene_of([(primitive, DAffine3::from_scale(DVec3::new(4.0, 0.5, 2.0)))], vec![Material::default()]);
+    let scene = scene_of([(primitive, DAffine3::from_scale(DVec3::new(4.0, 0.5, 2.0)))], vec![Material::default()]);
     let expected = DVec3::new(0.6 / 4.0, 0.8 / 0.5, 0.0).normalize();
     let [x, y, z, _] = middle(&scene, DVec3::new(0.3, 2.0, 0.2)).map(f64::from);
     // Octahedral in 16 bits: half a step of 1 / 32767 in each of two coordinates, stretched up to sqrt(3) / 1.
@@ -117,27 +117,25 @@ fn normals_of_stretched_spheres_stay_perpendicular() {
     assert!((DVec3::new(0.6 * 4.0, 0.8 * 0.5, 0.0).normalize() - expected).length() > 0.5);
 }
 
-/// Returns a texture whose left and right halves have different colors.
-fn halves(left: [u8; 4], right: [u8; 4]) -> (Image, TextureRef) {
-    let image = Image { width: 2, height: 1, rgba8: [left, right].concat() };
-    let sampler = Sampler { nearest: true, ..Sampler::default() };
-    (image, TextureRef { image: 0, sampler })
-}
+/// Texture of [`textured_floor`].
+const HALVES: TextureRef =
+    TextureRef { image: 0, sampler: Sampler { nearest: true, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat } };
 
-/// Returns a square with texture coordinates that run along x.
-fn textured_floor() -> scene::Primitive {
+/// Returns a square of that material, with texture coordinates that run along x. The left and right halves of its
+/// texture have different colors.
+fn textured_floor(material: Material, halves: [[u8; 4]; 2]) -> Scene {
     let mut primitive = square();
     primitive.uvs = primitive.positions.iter().map(|p| Vec2::new(p.x * 0.5 + 0.5, 0.5)).collect();
-    primitive
+    let mut scene = scene_of([(primitive, DAffine3::IDENTITY)], vec![material]);
+    scene.images.push(Image { width: 2, height: 1, rgba8: halves.concat() });
+    scene
 }
 
 #[test]
-fn alpha_below_the_cutoff_is_not_there() {
-    let (image, texture) = halves([255, 255, 255, 100], [255, 255, 255, 200]);
+fn surfaces_with_an_alpha_below_the_cutoff_are_not_drawn() {
     for (alpha_cutoff, left_there) in [(None, true), (Some(0.5), false)] {
-        let material = Material { base_color_texture: Some(texture), alpha_cutoff, ..Material::default() };
-        let mut scene = scene_of([(textured_floor(), DAffine3::IDENTITY)], vec![material]);
-        scene.images.push(image.clone());
+        let material = Material { base_color_texture: Some(HALVES), alpha_cutoff, ..Material::default() };
+        let scene = textured_floor(material, [[255, 255, 255, 100], [255, 255, 255, 200]]);
         let alphas = picture(&scene, &view(DVec3::Y * 2.0, DVec3::ZERO, [9, 9], Aov::Depth), &[]);
         assert_eq!(alphas.pixels[4 * 9 + 2][3] == 1.0, left_there);
         assert!(alphas.pixels[4 * 9 + 6][3] == 1.0);
@@ -147,20 +145,14 @@ fn alpha_below_the_cutoff_is_not_there() {
 #[test]
 fn textures_vertex_colours_and_factors_multiply_in_linear_light() {
     // 188 in sRGB is 0.5029 linear; the red factor is 0.5; a vertex color halves green.
-    let (image, texture) = halves([188, 188, 0, 255], [255, 255, 255, 255]);
-    let mut primitive = textured_floor();
-    primitive.colors = vec![glam::Vec4::new(1.0, 0.5, 1.0, 1.0); 4];
-    let base_color = glam::Vec4::new(0.5, 1.0, 1.0, 1.0);
-    let material = Material { base_color, base_color_texture: Some(texture), ..Material::default() };
-    let mut scene = scene_of([(primitive, DAffine3::IDENTITY)], vec![material]);
-    scene.images.push(image);
-    scene.fill.sky = DVec3::ONE;
-    scene.fill.ground = DVec3::ONE;
+    let base_color = Vec4::new(0.5, 1.0, 1.0, 1.0);
+    let material = Material { base_color, base_color_texture: Some(HALVES), ..Material::default() };
+    let mut scene = textured_floor(material, [[188, 188, 0, 255], [255, 255, 255, 255]]);
+    scene.meshes[0].primitives[0].colors = vec![Vec4::new(1.0, 0.5, 1.0, 1.0); 4];
+    (scene.fill.sky, scene.fill.ground) = (DVec3::ONE, DVec3::ONE);
     let beauty = picture(&scene, &view(DVec3::Y * 2.0, DVec3::ZERO, [9, 9], Aov::Beauty), &[]);
     // A fill of 1 returns the base color, stored as its square root in 8 bits: half a step is 1 / 255 relative at 1/4.
-    let near = |a: [f32; 4], b: [f32; 3]| {
-        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1.1 * b.sqrt() / 255.0 + 1e-4)
-    };
+    let near = |a: [f32; 4], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1.1 * b.sqrt() / 255.0 + 1e-4);
     let (left, right) = (beauty.pixels[4 * 9 + 2], beauty.pixels[4 * 9 + 6]);
     assert!(near(left, [0.25145, 0.25145, 0.0]), "{left:?}");
     assert!(near(right, [0.5, 0.5, 1.0]), "{right:?}");
@@ -171,12 +163,9 @@ fn textures_vertex_colours_and_factors_multiply_in_linear_light() {
 #[test]
 fn metal_and_roughness_come_from_blue_and_green() {
     // A metal mirrors the fill. This one is seen from above, so it mirrors the sky, whether rough or not.
-    let (image, texture) = halves([0, 255, 255, 255], [0, 0, 0, 255]);
-    let material =
-        Material { metallic: 1.0, metallic_roughness_texture: Some(texture), ..Material::default() };
-    let mut scene = scene_of([(textured_floor(), DAffine3::IDENTITY)], vec![material]);
-    scene.images.push(image);
-    let light = crate::support::named(crate::support::spot(DVec3::new(0.0, 3.0, 0.0), DVec3::ZERO));
+    let material = Material { metallic: 1.0, metallic_roughness_texture: Some(HALVES), ..Material::default() };
+    let scene = textured_floor(material, [[0, 255, 255, 255], [0, 0, 0, 255]]);
+    let light = spot(DVec3::new(0.0, 3.0, 0.0), DVec3::ZERO);
     let beauty = picture(&scene, &view(DVec3::Y * 2.0, DVec3::ZERO, [9, 9], Aov::Beauty), &[light]);
     // Rough metal next to a perfectly smooth dielectric: off the highlight, the first is GGX of a white metal, the
     // second Lambert.

@@ -4,16 +4,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
-use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
+use glam::{DAffine3, DQuat, DVec3, Vec4};
 use light::LightInstance;
-use light::parameters::{COLOR, NAME, RANGE, TRANSLATION};
+use light::parameters::{COLOR, RANGE, TRANSLATION};
 use render::{
-    Aov, Backend, FileNeeds, Gpu, MemoryBudget, Picture, Pixels, RenderError, Renderer, SampleProgress,
-    TiledPicture, View, ViewSlot, YieldPolicy,
+    Aov, Backend, FileNeeds, Gpu, MemoryBudget, Picture, Pixels, RenderError, Renderer, SampleProgress, TiledPicture,
+    View, ViewSlot, YieldPolicy,
 };
 use scene::{Image, Material, Primitive, Sampler, Scene, TextureRef};
 
-use crate::support::{BACKENDS, instances, named, renderer_of, scene_of, spot, square, unstraightened, view};
+use crate::support::{BACKENDS, ball, instances, oblique, renderer_of, renderer_on, scene_of, spot, square};
 
 /// Returns a textured floor, a smooth ball of few triangles and a double-sided sheet on edge.
 fn things() -> Scene {
@@ -27,7 +27,7 @@ fn things() -> Scene {
     tiled.uvs = tiled.positions.iter().map(|p| glam::Vec2::new(p.x, p.z) * 7.0).collect();
     let mut upright = Primitive { material: 2, ..square() };
     upright.uvs = upright.positions.iter().map(|p| glam::Vec2::new(p.x, p.z) * 30.0).collect();
-    let ball = Primitive { material: 1, ..ball() };
+    let ball = Primitive { material: 1, ..colored_ball() };
     let turned = DAffine3::from_rotation_translation(DQuat::from_rotation_z(1.5), DVec3::new(-0.8, 0.5, 0.0));
     let mut scene = scene_of(
         [
@@ -51,27 +51,13 @@ fn things_with_holes() -> Scene {
     scene
 }
 
-/// Returns a ball of radius 0.5, with its own normals.
-fn ball() -> Primitive {
-    let (rows, columns) = (12_u32, 24_u32);
-    let normals: Vec<Vec3> = (0..=rows)
-        .flat_map(|row| (0..=columns).map(move |column| (row, column)))
-        .map(|(row, column)| {
-            let (down, around) = (row as f32 / rows as f32, column as f32 / columns as f32);
-            let (sin, cos) = (down * std::f32::consts::PI).sin_cos();
-            let (y, x) = (around * std::f32::consts::TAU).sin_cos();
-            Vec3::new(x * sin, cos, y * sin)
-        })
-        .collect();
-    let quads = (0..rows).flat_map(|row| (0..columns).map(move |column| row * (columns + 1) + column));
+/// Returns a ball of radius 0.5, with its own normals and the colors of their axes.
+fn colored_ball() -> Primitive {
+    let ball = ball(12);
     Primitive {
-        positions: normals.iter().map(|n| *n * 0.5).collect(),
-        colors: normals.iter().map(|n| (0.5 + 0.5 * *n).extend(1.0)).collect::<Vec<Vec4>>(),
-        normals,
-        indices: quads
-            .flat_map(|k| [k, k + 1, k + columns + 1, k + 1, k + columns + 2, k + columns + 1])
-            .collect(),
-        ..Primitive::default()
+        positions: ball.normals.iter().map(|normal| *normal * 0.5).collect(),
+        colors: ball.normals.iter().map(|normal| (0.5 + 0.5 * *normal).extend(1.0)).collect(),
+        ..ball
     }
 }
 
@@ -79,18 +65,19 @@ fn lights() -> Vec<LightInstance> {
     let key = spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO);
     let low = spot(DVec3::new(-2.0, 1.0, 2.0), DVec3::ZERO).with(COLOR, DVec3::new(1.0, 0.3, 0.2));
     let bent = light::bend(&low.clone().with(RANGE, Some(6.0)), 3).unwrap();
-    instances(&[named(key), named(low), bent.with(NAME, "bent".into())])
+    instances(&[key, low, bent])
 }
 
 fn camera(size: [u32; 2], aov: Aov, samples: u32) -> View {
-    View { samples, ..view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, size, aov) }
+    View { samples, ..oblique(size, aov) }
 }
 
 /// Draws in tiles of the smallest size, with other pictures in between.
 fn tiled(
     renderer: &mut Renderer,
     mut picture: TiledPicture,
-    (between, lights): (&View, &[LightInstance]),
+    between: &View,
+    lights: &[LightInstance],
 ) -> (Pixels, usize) {
     let mut turns = 1;
     let mut progress = picture.progress();
@@ -116,9 +103,7 @@ fn differences(a: &Picture, b: &Picture) -> (usize, f32) {
 fn raw(renderer: &mut Renderer, view: &View, lights: &[LightInstance]) -> (Picture, usize) {
     let between = View { slot: ViewSlot(9), ..camera([40, 30], Aov::Beauty, 1) };
     let picture = TiledPicture::for_files(view, lights, FileNeeds::Values).unwrap();
-    let (Pixels::Raw(picture), turns) = tiled(renderer, picture, (&between, lights)) else {
-        panic!("raw values")
-    };
+    let (Pixels::Raw(picture), turns) = tiled(renderer, picture, &between, lights) else { panic!("raw values") };
     (picture, turns)
 }
 
@@ -126,12 +111,9 @@ fn raw(renderer: &mut Renderer, view: &View, lights: &[LightInstance]) -> (Pictu
 fn carpeted() -> Scene {
     let colored = |base_color| Material { base_color, ..Material::default() };
     let carpet = Primitive { material: 1, ..square() };
-    let turned = DAffine3::from_scale_rotation_translation(
-        DVec3::splat(1.7),
-        DQuat::from_rotation_y(0.4),
-        DVec3::Y * 3e-8,
-    );
-    let lamp = (ball(), DAffine3::from_translation(DVec3::new(-2.1, 2.3, -1.6)));
+    let turned =
+        DAffine3::from_scale_rotation_translation(DVec3::splat(1.7), DQuat::from_rotation_y(0.4), DVec3::Y * 3e-8);
+    let lamp = (colored_ball(), DAffine3::from_translation(DVec3::new(-2.1, 2.3, -1.6)));
     let floor = (square(), DAffine3::from_scale(DVec3::splat(3.0)));
     let colors = [Vec4::new(0.9, 0.8, 0.6, 1.0), Vec4::new(0.02, 0.3, 0.02, 1.0)];
     scene_of([(carpet, turned), floor, lamp], colors.map(colored).into())
@@ -189,7 +171,7 @@ fn tiles_make_up_the_screen() {
         let view = camera([500, 300], Aov::Beauty, 2);
         let whole = renderer.render_display(&view, &lights()).unwrap();
         let picture = TiledPicture::for_screen(&view, &lights()).unwrap();
-        let (Pixels::Display { bytes, .. }, _) = tiled(&mut renderer, picture, (&view, &lights())) else {
+        let (Pixels::Display { bytes, .. }, _) = tiled(&mut renderer, picture, &view, &lights()) else {
             panic!("bytes")
         };
         assert!(whole.iter().zip(&bytes).all(|(a, b)| a.abs_diff(*b) <= 1));
@@ -209,15 +191,15 @@ fn a_file_says_how_far_it_is() {
             [(Aov::Beauty, 3, 3 * 700 * 410), (Aov::Depth, 3, 700 * 410), (Aov::Wireframe, 1, 700 * 410)]
         {
             let view = camera([700, 410], aov, samples);
-            let mut told: Vec<SampleProgress> = Vec::new();
-            let told_of = |progress| told.push(progress);
-            let pixels = renderer.render_for_files(&view, &lights(), FileNeeds::Values, told_of).unwrap();
-            assert!(told.iter().all(|progress| progress.total == of), "{aov:?}: {told:?}");
-            assert!(told.is_sorted_by(|a, b| a.done < b.done), "{aov:?}: {told:?}");
-            assert_eq!(told.last().map(|last| last.done), Some(of), "{aov:?}");
+            let mut reports: Vec<SampleProgress> = Vec::new();
+            let report = |progress| reports.push(progress);
+            let pixels = renderer.render_for_files(&view, &lights(), FileNeeds::Values, report).unwrap();
+            assert!(reports.iter().all(|progress| progress.total == of), "{aov:?}: {reports:?}");
+            assert!(reports.is_sorted_by(|a, b| a.done < b.done), "{aov:?}: {reports:?}");
+            assert_eq!(reports.last().map(|last| last.done), Some(of), "{aov:?}");
             // Tiles begin with 256 pixels a side, so the first row has three.
             let least = if aov == Aov::Wireframe { 1 } else { 3 * of as usize / (700 * 410) };
-            assert!(told.len() >= least, "{aov:?}: {told:?}");
+            assert!(reports.len() >= least, "{aov:?}: {reports:?}");
 
             let mut whole = TiledPicture::for_files(&view, &lights(), FileNeeds::Values).unwrap();
             while !renderer.advance_tiled(&mut whole, Duration::MAX).unwrap() {}
@@ -265,31 +247,23 @@ fn tiles_share_their_shadow_maps() {
 
 /// A bent map on the GPU yields in the middle. After a cancellation at any point, the next picture is correct.
 #[test]
-fn a_bent_map_of_the_device_gives_way_in_its_middle() {
+fn a_bent_map_of_the_device_yields_in_its_middle() {
     let left = Arc::new(AtomicU32::new(u32::MAX));
     let counted = Arc::clone(&left);
-    let give_way = move || counted.fetch_sub(1, Ordering::Relaxed) > 1;
-    let yielding = YieldPolicy::new(
-        || true,
-        give_way,
-        |work| {
-            work();
-            true
-        },
-    );
+    let yields = move || counted.fetch_sub(1, Ordering::Relaxed) > 1;
+    let run = |work: &mut (dyn FnMut() + Send)| {
+        work();
+        true
+    };
+    let yielding = YieldPolicy::new(|| true, yields, run);
     let gpu = Gpu::open(MemoryBudget::default(), Some(Backend::Wgpu)).expect("tests need a graphics driver");
-    let mut renderer = Renderer::new(Arc::new(gpu.with_yield_policy(yielding))).unwrap();
-    renderer.set_shadow_settings(unstraightened()).unwrap();
-    renderer.set_scene(&scene::pose(things())).unwrap();
+    let mut renderer = renderer_on(Arc::new(gpu.with_yield_policy(yielding)), &things());
     let view = camera([160, 90], Aov::Beauty, 1);
     let [lights, moved] = [0.0, 0.1].map(|by| {
         let [key, low, bent] = &lights()[..] else { unreachable!("three") };
-        let at = bent.light.light().transform().translation + DVec3::X * by;
-        instances(&[
-            key.light.light().clone(),
-            low.light.light().clone(),
-            bent.light.light().clone().with(TRANSLATION, at),
-        ])
+        let [key, low, bent] = [key, low, bent].map(|instance| instance.light.light().clone());
+        let at = bent.transform().translation + DVec3::X * by;
+        instances(&[key, low, bent.with(TRANSLATION, at)])
     });
     // The picture and its number of yields; cancelled if there would be more than `most`.
     let mut draw = |lights: &[LightInstance], most: u32| {

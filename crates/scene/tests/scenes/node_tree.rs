@@ -22,7 +22,7 @@ fn links(include: &[&str], exclude: &[&str]) -> Links {
 
 /// Rules: LINK-1
 #[test]
-fn every_node_has_a_path_of_its_own() {
+fn every_node_has_its_own_path() {
     let tree = tree(&[
         ("room", None),
         ("vase", Some(0)),
@@ -48,16 +48,15 @@ fn every_node_has_a_path_of_its_own() {
     for (node, path) in paths.into_iter().enumerate() {
         assert_eq!((tree.path(node).as_str(), tree.find(path)), (path, Some(node)));
     }
-    for strange in ["", "/", "room/", "/room", "room/vase#1", "room/vase#3", "vase", "room//vase", "a/b~c"] {
-        assert_eq!(tree.find(strange), None, "{strange}");
+    for invalid in ["", "/", "room/", "/room", "room/vase#1", "room/vase#3", "vase", "room//vase", "a/b~c"] {
+        assert_eq!(tree.find(invalid), None, "{invalid}");
     }
 }
 
 /// Rules: LINK-2
 #[test]
 fn the_deepest_entry_decides() {
-    let tree =
-        tree(&[("room", None), ("table", Some(0)), ("vase", Some(1)), ("vase", Some(1)), ("sky", None)]);
+    let tree = tree(&[("room", None), ("table", Some(0)), ("vase", Some(1)), ("vase", Some(1)), ("sky", None)]);
     let left = |include: &[&str], exclude: &[&str]| {
         tree.selected_nodes(&links(include, exclude)).into_iter().map(u8::from).collect::<Vec<_>>()
     };
@@ -74,7 +73,7 @@ fn the_deepest_entry_decides() {
 
 /// Lists stay within their limits however deep a scene is.
 #[test]
-fn what_is_drawn_is_listed_within_limits() {
+fn drawn_paths_stay_within_limits() {
     let tree = tree(&[("empty", None), ("lid", Some(0)), ("empty", None), ("empty", Some(2)), ("pot", None)]);
     let all = ["empty", "empty/lid", "pot"].map(String::from).to_vec();
     assert_eq!(tree.drawn_paths(9, 99), (all.clone(), 0));

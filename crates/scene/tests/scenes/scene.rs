@@ -64,7 +64,7 @@ fn mirrored_triangles_keep_their_front() {
 
 /// Every corner of the bounds is in the picture, wide or tall, and behind the near plane.
 #[test]
-fn the_framing_camera_sees_everything() {
+fn the_framing_camera_sees_the_whole_scene() {
     let scene = nested();
     let (min, max) = world_bounds(&scene).expect("it has a triangle");
     for aspect in [0.25, 1.0, 686.0 / 382.0, 4.0] {
@@ -79,10 +79,7 @@ fn the_framing_camera_sees_everything() {
             let corner = DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
             let p = camera_from_world.transform_point3(corner);
             assert!(-p.z > znear, "{aspect}: {p} is before the near plane");
-            assert!(
-                p.x.abs() <= -p.z * half * aspect && p.y.abs() <= -p.z * half,
-                "{aspect}: {p} is outside"
-            );
+            assert!(p.x.abs() <= -p.z * half * aspect && p.y.abs() <= -p.z * half, "{aspect}: {p} is outside");
         }
     }
 }
@@ -101,7 +98,7 @@ fn square(side: f32, height: f32) -> Primitive {
 
 /// A model on a floor three times as wide is framed without the floor. A floor alone is framed, and so is a table top.
 #[test]
-fn what_stands_on_a_floor_is_framed() {
+fn models_are_framed_without_their_floor() {
     let framed = |primitives: &[Primitive]| {
         let mut scene = nested();
         scene.nodes = vec![node(None, DAffine3::from_translation(DVec3::new(5.0, 1.0, 0.0)), Some(0))];
@@ -123,7 +120,7 @@ fn what_stands_on_a_floor_is_framed() {
 }
 
 #[test]
-fn broken_promises_are_named() {
+fn errors_name_the_broken_item() {
     assert_eq!(nested().check(), Ok(()));
     let broken = |change: fn(&mut Scene)| {
         let mut scene = nested();

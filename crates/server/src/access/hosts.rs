@@ -7,7 +7,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::str::FromStr;
 
 use axum::http::Uri;
-use axum::http::uri::{Authority, Scheme};
+use axum::http::uri::Authority;
 
 /// An address under which browsers find the server: `https://lights.example.org`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,8 +45,8 @@ impl Hosts {
 
     /// True if a page of this `Origin`, whose request has this `Host`, is the server's own.
     pub fn is_own_origin(&self, origin: &str, host: &str) -> bool {
-        let place = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
-        place == Some(host) || self.public.iter().any(|url| url.origin == origin)
+        let authority = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
+        authority == Some(host) || self.public.iter().any(|url| url.origin == origin)
     }
 }
 
@@ -54,17 +54,13 @@ impl FromStr for PublicUrl {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || {
-            format!("`{text}` is not an address of a server: write it as https://HOST or https://HOST:PORT")
-        };
+        let wrong = || format!("`{text}` is not an address of a server: write it as https://HOST or https://HOST:PORT");
         let uri: Uri = text.parse().map_err(|_| wrong())?;
         let (Some(scheme), Some(authority)) = (uri.scheme(), uri.authority()) else { return Err(wrong()) };
-        let usual_port = if *scheme == Scheme::HTTPS {
-            443
-        } else if *scheme == Scheme::HTTP {
-            80
-        } else {
-            return Err(wrong());
+        let usual_port = match scheme.as_str() {
+            "https" => 443,
+            "http" => 80,
+            _ => return Err(wrong()),
         };
         if uri.path() != "/" || uri.query().is_some() || authority.as_str().contains('@') {
             return Err(wrong());
@@ -114,20 +110,15 @@ mod tests {
         let proxied = hosts("127.0.0.1:8080", &["https://lights.example.org:443"]);
         assert!(proxied.is_own_origin("http://localhost:8080", "localhost:8080"));
         assert!(proxied.is_own_origin("https://lights.example.org", "lights.example.org"));
-        assert!(
-            proxied.is_own_origin("https://lights.example.org", "127.0.0.1:8080"),
-            "the proxy has changed the host"
-        );
-        assert!(!proxied.is_own_origin("https://evil.example", "127.0.0.1:8080"));
-        assert!(
-            !proxied.is_own_origin("http://lights.example.org", "127.0.0.1:8080"),
-            "without TLS it is another place"
-        );
+        let by_proxy = |origin: &str| proxied.is_own_origin(origin, "127.0.0.1:8080");
+        assert!(by_proxy("https://lights.example.org"), "the proxy has changed the host");
+        assert!(!by_proxy("https://evil.example"));
+        assert!(!by_proxy("http://lights.example.org"), "without TLS it is another origin");
         assert!(!proxied.is_own_origin("null", "localhost:8080"));
     }
 
     #[test]
-    fn what_is_no_address_of_a_server_is_refused() {
+    fn an_address_of_no_server_is_refused() {
         for text in ["", "lights", "ftp://a", "https://a/b", "https://a?b", "https://x@a", "https://"] {
             assert!(text.parse::<PublicUrl>().is_err(), "{text}");
         }

@@ -6,4 +6,4 @@ mod token;
 
 pub use hosts::{Hosts, PublicUrl};
 pub use principal::{Credential, Principal};
-pub use token::{Token, random_digits};
+pub use token::{TOKEN_FILE, Token, random_digits};

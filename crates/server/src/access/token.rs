@@ -14,14 +14,10 @@ use crate::ServerError;
 pub struct Token([u8; DIGITS]);
 
 const DIGITS: usize = 32;
-const FILE: &str = "token";
+/// Name of the token's file in the data folder.
+pub const TOKEN_FILE: &str = "token";
 
 impl Token {
-    /// Reads or makes the token of the data folder.
-    pub(crate) fn in_folder(folder: &Path) -> Result<Self, ServerError> {
-        Self::from_file(&folder.join(FILE))
-    }
-
     /// Reads the token from a file, or makes it at the first start. Only the owner can read the file, which is there as
     /// a whole or not at all.
     pub(crate) fn from_file(path: &Path) -> Result<Self, ServerError> {
@@ -29,7 +25,7 @@ impl Token {
         match fs::read_to_string(path) {
             Ok(text) => Self::parse(text.trim()).ok_or_else(|| ServerError::BadToken(path.into())),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                let token = Self::random().map_err(unusable)?;
+                let token = Self::parse(&random_digits().map_err(unusable)?).expect("32 digits");
                 token.write(path).map_err(unusable)?;
                 Ok(token)
             }
@@ -45,10 +41,6 @@ impl Token {
         file.as_file().sync_all()?;
         file.persist(path)?;
         File::open(folder)?.sync_all()
-    }
-
-    fn random() -> io::Result<Self> {
-        Ok(Self::parse(&random_digits()?).expect("32 digits"))
     }
 
     fn parse(text: &str) -> Option<Self> {
@@ -82,14 +74,18 @@ mod tests {
 
     use super::*;
 
+    fn in_folder(folder: &Path) -> Result<Token, ServerError> {
+        Token::from_file(&folder.join(TOKEN_FILE))
+    }
+
     #[test]
     fn a_token_stays_over_a_restart_and_is_its_owners_alone() {
         let folder = tempfile::tempdir().unwrap();
-        let first = Token::in_folder(folder.path()).unwrap();
-        assert!(Token::in_folder(folder.path()).unwrap().verify(first.digits()).is_some());
-        let mode = fs::metadata(folder.path().join(FILE)).unwrap().permissions().mode();
+        let first = in_folder(folder.path()).unwrap();
+        assert!(in_folder(folder.path()).unwrap().verify(first.digits()).is_some());
+        let mode = fs::metadata(folder.path().join(TOKEN_FILE)).unwrap().permissions().mode();
         assert_eq!(mode & 0o777, 0o600);
-        let other = Token::in_folder(tempfile::tempdir().unwrap().path()).unwrap();
+        let other = in_folder(tempfile::tempdir().unwrap().path()).unwrap();
         assert_eq!(other.verify(first.digits()), None);
         assert_eq!([first.verify(""), first.verify(&first.digits()[1..])], [None, None]);
     }
@@ -97,24 +93,20 @@ mod tests {
     #[test]
     fn a_file_that_is_no_token_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join(FILE), "secret").unwrap();
-        assert!(matches!(Token::in_folder(folder.path()), Err(ServerError::BadToken(_))));
+        fs::write(folder.path().join(TOKEN_FILE), "secret").unwrap();
+        assert!(matches!(in_folder(folder.path()), Err(ServerError::BadToken(_))));
     }
 
     #[test]
-    fn a_token_lies_where_it_is_told_to() {
+    fn a_token_is_in_the_configured_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("secret");
         let first = Token::from_file(&path).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), first.digits());
-        fs::write(&path, format!("{:032x}\n", 7)).unwrap();
-        assert_eq!(
-            Token::from_file(&path).unwrap().digits(),
-            format!("{:032x}", 7),
-            "of somebody's own, with a line's end"
-        );
-        let nowhere =
-            Token::from_file(&folder.path().join("none/secret")).err().expect("no folder").to_string();
+        let own = format!("{:032x}", 7);
+        fs::write(&path, format!("{own}\n")).unwrap();
+        assert_eq!(Token::from_file(&path).unwrap().digits(), own, "of somebody's own, with a line's end");
+        let nowhere = Token::from_file(&folder.path().join("none/secret")).err().expect("no folder").to_string();
         assert!(nowhere.contains("none/secret"), "{nowhere}");
     }
 }

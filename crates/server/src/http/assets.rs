@@ -2,7 +2,6 @@
 
 use std::fs::File;
 use std::path::Path;
-use std::sync::Arc;
 
 use axum::body::{Body, HttpBody};
 use axum::extract::State;
@@ -14,8 +13,9 @@ use tokio::io::AsyncWriteExt;
 use super::answer::{HandlerResult, created};
 use super::read::{next_part, read_query};
 use crate::ServerError;
+use crate::error::check_size;
 use crate::limits::MAX_UPLOADS;
-use crate::state::AppState;
+use crate::state::App;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,15 +24,15 @@ struct Query {
 }
 
 /// Stores a scene's file with its name once it was decoded.
-pub async fn add(State(state): State<Arc<AppState>>, uri: Uri, body: Body) -> HandlerResult {
+pub async fn add(State(state): App, uri: Uri, body: Body) -> HandlerResult {
     let Query { name } = read_query(&uri)?;
     // Checked before the file arrives, which may take long.
     name.as_deref().map_or(Ok(()), check_scene_name)?;
     check_length(body.size_hint().exact().unwrap_or_default())?;
     let too_many = |_| ServerError::TooMany { what: "scenes on their way here", limit: MAX_UPLOADS };
     let _permit = state.uploads.try_acquire().map_err(too_many)?;
-    let file = receive(body, state.backend.storage.folder()).await?;
-    Ok(created(&state.backend.scenes.add(file, name).await?))
+    let file = receive(body, state.services.storage.folder()).await?;
+    Ok(created(&state.services.scenes.add(file, name).await?))
 }
 
 /// Receives the body into an unnamed file in `folder`, which never outlives the request. So a slow sender takes space
@@ -51,7 +51,5 @@ async fn receive(body: Body, folder: &Path) -> Result<File, ServerError> {
 }
 
 fn check_length(length: u64) -> Result<(), ServerError> {
-    let (what, limit) = ("a scene's file", MAX_ASSET_BYTES as usize);
-    let is_too_large = length > MAX_ASSET_BYTES;
-    if is_too_large { Err(ServerError::TooLarge { what, limit, unit: "bytes" }) } else { Ok(()) }
+    check_size("a scene's file", length as usize, MAX_ASSET_BYTES as usize, "bytes")
 }

@@ -21,9 +21,9 @@ impl ConstantJson {
     }
 
     /// Answers a request with the JSON, or with 304 if the request's headers say that the client has it.
-    pub fn answer(&self, asked: &HeaderMap) -> Response {
+    pub fn answer(&self, headers: &HeaderMap) -> Response {
         let kind = [(header::CONTENT_TYPE, "application/json")];
-        tagged(asked, self.tag.clone(), (kind, self.text.clone()).into_response())
+        tagged(headers, self.tag.clone(), (kind, self.text.clone()).into_response())
     }
 }
 
@@ -33,22 +33,17 @@ pub fn tag(hash: &str) -> HeaderValue {
 }
 
 /// Adds the tag to `answer`. Returns 304 without a body if the request has that tag.
-pub fn tagged(asked: &HeaderMap, tag: HeaderValue, mut answer: Response) -> Response {
-    if client_has(asked, &tag) {
-        return not_modified(tag);
-    }
-    answer.headers_mut().insert(header::ETAG, tag);
-    answer
+pub fn tagged(headers: &HeaderMap, tag: HeaderValue, mut answer: Response) -> Response {
+    not_modified(headers, &tag).unwrap_or_else(|| {
+        answer.headers_mut().insert(header::ETAG, tag);
+        answer
+    })
 }
 
-/// True if a request has that tag.
-pub fn client_has(asked: &HeaderMap, tag: &HeaderValue) -> bool {
-    asked.get_all(header::IF_NONE_MATCH).iter().any(|known| lists_tag(known, tag))
-}
-
-/// Makes a 304 answer without a body.
-pub fn not_modified(tag: HeaderValue) -> Response {
-    (StatusCode::NOT_MODIFIED, [(header::ETAG, tag)]).into_response()
+/// Makes a 304 answer without a body if a request has that tag.
+pub fn not_modified(headers: &HeaderMap, tag: &HeaderValue) -> Option<Response> {
+    let is_known = headers.get_all(header::IF_NONE_MATCH).iter().any(|known| lists_tag(known, tag));
+    is_known.then(|| (StatusCode::NOT_MODIFIED, [(header::ETAG, tag.clone())]).into_response())
 }
 
 /// True if a list of tags has this one or is `*`. A weak tag counts too: RFC 9110, section 13.1.2.

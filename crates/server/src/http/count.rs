@@ -1,6 +1,5 @@
 //! Counts of requests for `GET /metrics`.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use axum::extract::{MatchedPath, Request, State};
@@ -10,12 +9,12 @@ use axum::response::Response;
 use protocol::ErrorCode;
 
 use crate::metrics::RequestLabel;
-use crate::state::AppState;
+use crate::state::App;
 
 /// Counts a request, its answer, and the time to the answer's first byte, waits included. A request that is abandoned
 /// earlier is not counted.
-pub async fn count_requests(State(state): State<Arc<AppState>>, request: Request, next: Next) -> Response {
-    let metrics = &state.backend.metrics;
+pub async fn count_requests(State(state): App, request: Request, next: Next) -> Response {
+    let metrics = &state.services.metrics;
     // Paths without a route are answered by the page.
     let route = request.extensions().get::<MatchedPath>().map_or("page", MatchedPath::as_str).to_owned();
     let method = match *request.method() {

@@ -4,9 +4,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::Instant;
 
-use axum::body::Bytes;
 use axum::extract::State;
-use axum::http::HeaderMap;
 use document::{Document, EditError, MAX_CHOSEN_POINTS, MAX_PINS};
 use drag::{Viewport, WorkBudget, drag_budgeted};
 use light::{CheckedLight, LightId};
@@ -15,15 +13,15 @@ use protocol::drag_file::{Dragged, FileDrag, NameOrIndex};
 use raycast::Bvh;
 
 use super::answer::{HandlerResult, json};
-use super::read::{SessionName, read_json};
+use super::read::{JsonBody, SessionName};
 use super::render::default_camera;
 use crate::ServerError;
 use crate::charges::Payer;
 use crate::limits::MAX_DRAGS;
-use crate::room::{RoomMessage, SessionSnapshot};
+use crate::room::SessionSnapshot;
 use crate::scenes::DecodedScene;
 use crate::solver::SolveTurn;
-use crate::state::AppState;
+use crate::state::App;
 
 /// A drag with its names resolved in the document.
 struct ResolvedFileDrag {
@@ -36,90 +34,84 @@ struct ResolvedFileDrag {
 
 /// Solves each drag from the current document, independently of the others.
 pub async fn answer(
-    State(state): State<Arc<AppState>>,
+    State(state): App,
     SessionName(name): SessionName,
-    headers: HeaderMap,
-    body: Bytes,
+    JsonBody(drags): JsonBody<Vec<FileDrag>>,
 ) -> HandlerResult {
-    let drags: Vec<FileDrag> = read_json(&headers, &body)?;
     if drags.len() > MAX_DRAGS {
         return Err(ServerError::TooMany { what: "drags in a request", limit: MAX_DRAGS });
     }
-    let SessionSnapshot { document, scene, .. } =
-        state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
-    let questions = drags.iter().map(|asked| resolve_drag(asked, &document, &scene));
-    let questions = questions.collect::<Result<Vec<_>, _>>()?;
+    let SessionSnapshot { document, scene, .. } = state.rooms.snapshot(&name).await?;
+    let drags = drags.iter().map(|drag| resolve_drag(drag, &document, &scene)).collect::<Result<Vec<_>, _>>()?;
     let bvh = scene.bvh().await?;
-    let mut answers = Vec::with_capacity(questions.len());
-    for question in questions {
+    let mut answers = Vec::with_capacity(drags.len());
+    for drag in drags {
         // If the connection ends, this future is dropped and the running solve is cancelled.
         let bvh = Arc::clone(&bvh);
-        let solve = move |turn: &mut SolveTurn| dragged(&bvh, &question, turn);
-        answers.push(state.backend.solver.run(Payer::program(&name), solve).await?);
+        let solve = move |turn: &mut SolveTurn| solve_drag(&bvh, &drag, turn);
+        answers.push(state.services.solver.run(Payer::program(&name), solve).await?);
     }
     Ok(json(&answers))
 }
 
-fn dragged(bvh: &Bvh, question: &ResolvedFileDrag, turn: &mut SolveTurn) -> Dragged {
+fn solve_drag(bvh: &Bvh, resolved: &ResolvedFileDrag, turn: &mut SolveTurn) -> Dragged {
     let began = Instant::now();
+    let ResolvedFileDrag { light, view, drag, pins } = resolved;
     let turn = RefCell::new(turn);
-    let goes_on = |steps| turn.borrow_mut().may_continue(steps);
-    let work = WorkBudget::new(&goes_on);
-    let landing = drag_budgeted(bvh, &question.view, &question.light, &question.drag, &work);
+    let may_continue = |steps| turn.borrow_mut().may_continue(steps);
+    let result = drag_budgeted(bvh, view, light, drag, &WorkBudget::new(&may_continue));
     let name = |node: usize| bvh.posed.scene.nodes[node].name.clone();
-    Dragged::new(&landing, &question.pins, name, began.elapsed().as_secs_f64())
+    Dragged::new(&result, pins, name, began.elapsed().as_secs_f64())
 }
 
 /// Resolves the names of lights and cameras in the document. A drag without pins of its own gets the document's.
 fn resolve_drag(
-    asked: &FileDrag,
+    file_drag: &FileDrag,
     document: &Document,
     scene: &DecodedScene,
 ) -> Result<ResolvedFileDrag, ServerError> {
-    let size = RenderLimits::HTTP.check_size(asked.size)?;
+    let size = RenderLimits::HTTP.check_size(file_drag.size)?;
     if size.contains(&0) {
-        return Err(edit::EditRefusal::from(EditError::EmptyViewport).into());
+        return Err(EditError::EmptyViewport.into());
     }
-    let chosen = asked.points.as_ref().map_or(0, Vec::len);
-    let pinned = asked.pins.as_ref().map_or(0, Vec::len);
+    let chosen = file_drag.points.as_ref().map_or(0, Vec::len);
+    let pinned = file_drag.pins.as_ref().map_or(0, Vec::len);
     for (what, count, limit) in [("control points", chosen, MAX_CHOSEN_POINTS), ("pins", pinned, MAX_PINS)] {
         if count > limit {
-            return Err(edit::EditRefusal::from(EditError::TooManyChosen { what, limit }).into());
+            return Err(EditError::TooManyChosen { what, limit }.into());
         }
     }
-    let light_of = |wanted: &NameOrIndex| light_named(document, wanted);
-    let id = light_of(&asked.light)?;
-    asked.pins.iter().flatten().try_for_each(|pin| light_of(&pin.light).map(|_| ()))?;
-    let (mut drag, mut pins) = asked.to_domain(|wanted| light_of(wanted).is_ok_and(|light| light == id));
-    if asked.pins.is_none() {
+    let light_of = |name: &NameOrIndex| light_named(document, name);
+    let id = light_of(&file_drag.light)?;
+    file_drag.pins.iter().flatten().try_for_each(|pin| light_of(&pin.light).map(|_| ()))?;
+    let (mut drag, mut pins) = file_drag.to_domain(|name| light_of(name).is_ok_and(|light| light == id));
+    if file_drag.pins.is_none() {
         (pins, drag.pins) = document.pins_of(id).map(|(id, pin)| (id.0 as usize, pin.clone())).unzip();
     }
-    let camera = match &asked.camera {
+    let camera = match &file_drag.camera {
         None => default_camera(document, scene, f64::from(size[0]) / f64::from(size[1])),
-        Some(wanted) => {
-            let id = match wanted {
-                NameOrIndex::Index(index) => document.cameras().keys().nth(*index).copied(),
-                NameOrIndex::Name(name) => Some(document.find_camera(name).map_err(edit::EditRefusal::from)?),
+        Some(name) => {
+            let camera = match name {
+                NameOrIndex::Index(index) => document.cameras().values().nth(*index),
+                NameOrIndex::Name(name) => document.cameras().get(&document.find_camera(name)?),
             };
-            let camera = id.and_then(|id| document.cameras().get(&id));
-            camera.cloned().ok_or_else(|| not_found("camera", wanted))?
+            camera.cloned().ok_or_else(|| not_found("camera", name))?
         }
     };
-    let light =
-        document.lights().get(&id).map(|placed| Arc::clone(&placed.light)).ok_or(ServerError::Internal)?;
+    let light = document.lights().get(&id).map(|placed| Arc::clone(&placed.light)).ok_or(ServerError::Internal)?;
     Ok(ResolvedFileDrag { light, view: Viewport { camera, size }, drag, pins })
 }
 
 /// Returns the light of that name, or of that index among all lights.
-fn light_named(document: &Document, wanted: &NameOrIndex) -> Result<LightId, ServerError> {
-    match wanted {
+fn light_named(document: &Document, name: &NameOrIndex) -> Result<LightId, ServerError> {
+    match name {
         NameOrIndex::Index(index) => document.lights().keys().nth(*index).copied(),
-        NameOrIndex::Name(name) => Some(document.find_light(name).map_err(edit::EditRefusal::from)?),
+        NameOrIndex::Name(name) => Some(document.find_light(name)?),
     }
-    .ok_or_else(|| not_found("light", wanted))
+    .ok_or_else(|| not_found("light", name))
 }
 
-fn not_found(what: &'static str, wanted: &NameOrIndex) -> ServerError {
+fn not_found(what: &'static str, name: &NameOrIndex) -> ServerError {
     let remedy = "give the name or the index of one of the document's";
-    ServerError::NotFound { what, name: wanted.to_string().chars().take(64).collect(), remedy }
+    ServerError::NotFound { what, name: name.to_string().chars().take(64).collect(), remedy }
 }

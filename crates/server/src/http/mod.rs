@@ -31,23 +31,19 @@ use crate::ServerError;
 use crate::connections::Connection;
 use crate::renderer::Readiness;
 use crate::socket;
-use crate::state::AppState;
+use crate::state::{App, AppState};
 use answer::HandlerResult;
 use constant::ConstantJson;
 
 static OPENAPI: LazyLock<ConstantJson> = LazyLock::new(|| ConstantJson::json(&protocol::openapi()));
 static SCENES: LazyLock<ConstantJson> = LazyLock::new(|| ConstantJson::json(&session_list::scenes()));
-static PARAMETERS: LazyLock<ConstantJson> =
-    LazyLock::new(|| ConstantJson::json(&protocol::parameter_table()));
+static PARAMETERS: LazyLock<ConstantJson> = LazyLock::new(|| ConstantJson::json(&protocol::parameter_table()));
 
 /// Makes the router with all routes.
 pub fn router(state: Arc<AppState>) -> Router {
     let needs_token = Router::new()
         .route("/sessions", get(session_list::list).post(sessions::create))
-        .route(
-            "/sessions/{name}",
-            get(sessions::show).patch(session_list::change).delete(session_list::delete),
-        )
+        .route("/sessions/{name}", get(sessions::show).patch(session_list::change).delete(session_list::delete))
         .route("/sessions/{name}/duplicate", post(session_list::duplicate))
         .route("/scenes", get(|headers: HeaderMap| async move { SCENES.answer(&headers) }))
         .route("/sessions/{name}/edits", post(sessions::edit))
@@ -83,15 +79,15 @@ pub fn router(state: Arc<AppState>) -> Router {
 
 /// Handles `GET /socket`: joins the connection to a session as a WebSocket.
 async fn open_socket(
-    State(state): State<Arc<AppState>>,
+    State(state): App,
     Extension(connection): Extension<Connection>,
     mut request: Request,
 ) -> HandlerResult {
     let (upgrade, answer) = upgrade::upgrade(&mut request)?;
-    if state.backend.draining.is_cancelled() {
+    if state.services.draining.is_cancelled() {
         return Err(ServerError::Draining);
     }
-    let sockets = state.backend.sockets.clone();
+    let sockets = state.services.sockets.clone();
     let runtime = state.socket_runtime.clone();
     runtime.spawn(sockets.track_future(async move {
         let opened = async { upgrade::open(upgrade.await.map_err(io::Error::other)?).await };
@@ -104,11 +100,11 @@ async fn open_socket(
 }
 
 /// Handles `GET /readyz`: gives an error until the server can serve pictures.
-async fn ready(State(state): State<Arc<AppState>>) -> HandlerResult {
-    if state.backend.draining.is_cancelled() {
+async fn ready(State(state): App) -> HandlerResult {
+    if state.services.draining.is_cancelled() {
         return Err(ServerError::Draining);
     }
-    match state.backend.renders.readiness() {
+    match state.services.renders.readiness() {
         Readiness::Ready => Ok("every pipeline has drawn\n".into_response()),
         Readiness::WarmingUp => Err(ServerError::WarmingUp),
         Readiness::Failed(error) => Err(ServerError::NotReady(error)),
@@ -116,7 +112,7 @@ async fn ready(State(state): State<Arc<AppState>>) -> HandlerResult {
 }
 
 /// Handles `GET /metrics`: all metrics in Prometheus' text format.
-async fn metrics(State(state): State<Arc<AppState>>) -> Response {
+async fn metrics(State(state): App) -> Response {
     let kind = "application/openmetrics-text; version=1.0.0; charset=utf-8";
-    ([(header::CONTENT_TYPE, kind)], state.backend.metrics.to_text()).into_response()
+    ([(header::CONTENT_TYPE, kind)], state.services.metrics.to_text()).into_response()
 }

@@ -1,7 +1,7 @@
 //! The browser page, as built into the program.
 
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
-use axum::response::{Html, IntoResponse, Response};
+use axum::response::{Html, IntoResponse};
 use document::AssetHash;
 use rust_embed::RustEmbed;
 
@@ -29,38 +29,27 @@ const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\
     folder and start the server again. The HTTP interface works all the same.</p></html>\n";
 
 /// Answers with a file of the page. `/` is the page itself.
-pub async fn page(method: Method, uri: Uri, asked: HeaderMap) -> HandlerResult {
+pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> HandlerResult {
     let path = uri.path().trim_start_matches('/');
     let path = if path.is_empty() { INDEX } else { path };
     let found = Page::get(path);
-    let is_known = found.is_some() || path == INDEX;
-    if is_known && method != Method::GET && method != Method::HEAD {
+    if found.is_none() && path != INDEX {
+        return Err(ServerError::NoRoute(excerpt(uri.path())));
+    }
+    if method != Method::GET && method != Method::HEAD {
         let error = wrong_method(method, uri).await;
         return Ok(([(header::ALLOW, "GET,HEAD")], error).into_response());
     }
-    match found {
+    let mut answer = match found {
         Some(file) => {
-            let cache = if path.starts_with(HASHED_FILES) {
-                "public, max-age=31536000, immutable"
-            } else {
-                "no-cache"
-            };
+            let cache = if path.starts_with(HASHED_FILES) { "public, max-age=31536000, immutable" } else { "no-cache" };
             let kind = file.metadata.mimetype().to_owned();
-            let headers = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, cache.into())];
+            let of_file = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, cache.into())];
             let tag = tag(&AssetHash(file.metadata.sha256_hash()).hex());
-            Ok(with_content_security_policy(tagged(&asked, tag, (headers, file.data).into_response())))
+            tagged(&headers, tag, (of_file, file.data).into_response())
         }
-        None if is_known => Ok(with_content_security_policy(
-            (StatusCode::SERVICE_UNAVAILABLE, Html(NOT_BUILT)).into_response(),
-        )),
-        None => Err(ServerError::NoRoute(excerpt(uri.path()))),
-    }
-}
-
-/// Tells the browser to load nothing from elsewhere.
-fn with_content_security_policy(mut response: Response) -> Response {
-    response
-        .headers_mut()
-        .insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(CONTENT_SECURITY_POLICY));
-    response
+        None => (StatusCode::SERVICE_UNAVAILABLE, Html(NOT_BUILT)).into_response(),
+    };
+    answer.headers_mut().insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(CONTENT_SECURITY_POLICY));
+    Ok(answer)
 }

@@ -1,14 +1,15 @@
 //! Reads requests.
 
 use axum::body::{Body, BodyDataStream, Bytes, HttpBody};
-use axum::extract::{FromRequestParts, Path, Query};
+use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, Uri, header};
+use axum::http::{Uri, header};
 use futures_util::StreamExt;
 use serde::de::DeserializeOwned;
 use tokio::time::{Instant, timeout};
 
 use crate::ServerError;
+use crate::error::check_size;
 use crate::in_flight::{BodyReservation, ByteBudget};
 use crate::limits::{BODY_COST, BODY_IDLE_TIMEOUT, LARGE_BODY_TIMEOUT, MAX_BODY_BYTES, SMALL_BYTES};
 
@@ -32,17 +33,25 @@ impl<S: Send + Sync> FromRequestParts<S> for SessionName {
     }
 }
 
-/// Reads the JSON of a request. A body without a media type counts as JSON.
-pub fn read_json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Result<T, ServerError> {
-    if let Some(kind) = headers.get(header::CONTENT_TYPE) {
-        let kind = kind.to_str().unwrap_or("unreadable");
-        if !is_json(kind) {
-            return Err(ServerError::NotJson(excerpt(kind)));
+/// JSON of a request. A body without a media type counts as JSON.
+pub struct JsonBody<T>(pub T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for JsonBody<T> {
+    type Rejection = ServerError;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, ServerError> {
+        if let Some(kind) = request.headers().get(header::CONTENT_TYPE) {
+            let kind = kind.to_str().unwrap_or("unreadable");
+            if !is_json(kind) {
+                return Err(ServerError::NotJson(excerpt(kind)));
+            }
         }
+        let body = Bytes::from_request(request, state).await;
+        let body = body.map_err(|why| ServerError::BadMessage(why.body_text()))?;
+        let text = std::str::from_utf8(&body)
+            .map_err(|_| ServerError::bad_message("the body is not UTF-8: send JSON as UTF-8"))?;
+        Ok(Self(protocol::parse_body(text)?))
     }
-    let text = std::str::from_utf8(body)
-        .map_err(|_| ServerError::BadMessage("the body is not UTF-8: send JSON as UTF-8".into()))?;
-    Ok(protocol::parse_body(text)?)
 }
 
 /// True if a media type is JSON or based on it.
@@ -53,30 +62,22 @@ fn is_json(kind: &str) -> bool {
 
 /// Reads the whole body of a request, with its reservation in the budget of bytes in flight. A length in the head is
 /// reserved before any of the body is read. A body of unknown length is reserved as it arrives.
-pub async fn read_body(
-    body: Body,
-    in_flight: &ByteBudget,
-) -> Result<(Vec<u8>, BodyReservation), ServerError> {
-    let said = body.size_hint().exact().and_then(|bytes| usize::try_from(bytes).ok()).unwrap_or_default();
+pub async fn read_body(body: Body, in_flight: &ByteBudget) -> Result<(Vec<u8>, BodyReservation), ServerError> {
+    let announced = body.size_hint().exact().and_then(|bytes| usize::try_from(bytes).ok()).unwrap_or_default();
     let mut read = BodyRead { bytes: Vec::new(), reservation: in_flight.body(), refused: None };
-    if said <= MAX_BODY_BYTES {
-        read.make_room(said);
+    if announced <= MAX_BODY_BYTES {
+        read.make_room(announced);
     }
     let (mut parts, began, mut length) = (body.into_data_stream(), Instant::now(), 0);
     while let Some(part) = next_part(&mut parts).await? {
         length += part.len();
-        if length > MAX_BODY_BYTES {
-            return Err(ServerError::TooLarge { what: "a request", limit: MAX_BODY_BYTES, unit: "bytes" });
-        }
+        check_size("a request", length, MAX_BODY_BYTES, "bytes")?;
         if length > SMALL_BYTES && began.elapsed() > LARGE_BODY_TIMEOUT {
             return Err(ServerError::TooSlow);
         }
         read.take(&part);
     }
-    match read.refused {
-        None => Ok((read.bytes, read.reservation)),
-        Some(error) => Err(error),
-    }
+    read.refused.map_or(Ok((read.bytes, read.reservation)), Err)
 }
 
 /// A partly read body.
@@ -120,7 +121,6 @@ pub async fn next_part(parts: &mut BodyDataStream) -> Result<Option<Bytes>, Serv
 
 /// Reads the query parameters. Gives an error for unknown ones.
 pub fn read_query<T: DeserializeOwned>(uri: &Uri) -> Result<T, ServerError> {
-    let Query(query) =
-        Query::try_from_uri(uri).map_err(|error| ServerError::BadMessage(error.body_text()))?;
+    let Query(query) = Query::try_from_uri(uri).map_err(|error| ServerError::BadMessage(error.body_text()))?;
     Ok(query)
 }

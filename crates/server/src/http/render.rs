@@ -7,17 +7,17 @@ use std::time::{Duration, Instant};
 
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Uri, header};
-use document::{AssetHash, CommandContext, Document, execute_command};
+use document::{AssetHash, Document, execute_command};
 use light::LightInstance;
 use protocol::{
-    Aovs, CameraChoice, Command, FrameQuality, RenderBackground, RenderFormat, RenderLimits,
-    RenderParameters, RenderRefusal, RenderRequest, TraceLine, TraceWhat,
+    Aovs, CameraChoice, Command, FrameQuality, RenderBackground, RenderFormat, RenderLimits, RenderParameters,
+    RenderRefusal, RenderRequest, TraceLine, TraceWhat,
 };
 use render::{Background, ExrFile, PictureOrigin, Pixels, WantedPicture, wanted_pictures};
 use scene::{Camera, View, framing_camera};
 
 use super::answer::{HandlerResult, file};
-use super::constant::{client_has, not_modified, tag};
+use super::constant::{not_modified, tag};
 use super::picture_files::{DrawnPictures, PictureFiles};
 use super::read::{SessionName, read_query};
 use crate::ServerError;
@@ -27,9 +27,9 @@ use crate::limits::MAX_PICTURE_BYTES;
 use crate::picture_stats::{micros, wire_pass_runs};
 use crate::renderer::{PictureFormat, PictureRequest, PictureTicket, RenderLease, Urgency};
 use crate::request::valid_camera;
-use crate::room::{RoomMessage, SessionSnapshot};
+use crate::room::SessionSnapshot;
 use crate::scenes::DecodedScene;
-use crate::state::AppState;
+use crate::state::{App, AppState};
 use crate::trace::PictureTrace;
 
 /// Header that tells what a picture lacks.
@@ -50,57 +50,50 @@ struct ResolvedRender {
 }
 
 /// Handles `GET /sessions/S/render`: draws the requested pictures. Views are drawn before them.
-pub async fn render(
-    State(state): State<Arc<AppState>>,
-    SessionName(name): SessionName,
-    headers: HeaderMap,
-    uri: Uri,
-) -> HandlerResult {
+pub async fn render(State(state): App, SessionName(name): SessionName, headers: HeaderMap, uri: Uri) -> HandlerResult {
     let query: RenderParameters = read_query(&uri)?;
     let (request, formats) = (query.request()?, query.formats()?);
     request.check_quantities()?;
-    let SessionSnapshot { name, epoch, seq, document, scene, lease: session, .. } =
-        state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
+    let SessionSnapshot { name, epoch, seq, document, scene, lease: session, .. } = state.rooms.snapshot(&name).await?;
     // Identifies the current document by its hash, or by its record if the file contains that. An earlier document is
     // identified by its record.
-    let of = match query.at {
+    let version = match query.at {
         None if !formats.contains(&RenderFormat::Exr) => document.hash().to_string(),
         at => format!("{epoch} {}", at.unwrap_or(seq)),
     };
     // Another run may have another driver.
-    let all = format!("{} {of} {name} {}", state.backend.run, uri.query().unwrap_or_default());
+    let all = format!("{} {version} {name} {}", state.services.run, uri.query().unwrap_or_default());
     let tag = tag(&AssetHash::of(all.as_bytes()).hex());
-    if client_has(&headers, &tag) {
-        return Ok(not_modified(tag));
+    if let Some(answer) = not_modified(&headers, &tag) {
+        return Ok(answer);
     }
     let _permit = state.stills.acquire(&name)?;
     let (document, scene, seq) = match query.at {
         None => (document, scene, seq),
         Some(at) => {
             let session = name.clone();
-            let replayed = state.backend.storage.read(move |store| store.replay(&session, Some(at)));
+            let replayed = state.services.storage.read(move |store| store.replay(&session, Some(at)));
             let document = replayed.await?.document().clone();
-            let scene = state.backend.scenes.of(&document).await?;
+            let scene = state.services.scenes.of(&document).await?;
             (document, scene, at)
         }
     };
-    let viewer = state.backend.renders.lease();
-    let mut asked = resolve_render(&query, &request, (document, scene), &viewer)?;
-    asked.origin.name = Some(name.clone());
-    asked.origin.seq = Some(seq);
-    let notes = notes(&asked);
+    let viewer = state.services.renders.lease();
+    let resolved = resolve_render(&query, &request, document, scene, &viewer)?;
+    let notes = notes(&resolved);
+    let ResolvedRender { scene, view, lights, pictures, origin, .. } = resolved;
+    let origin = PictureOrigin { name: Some(name.clone()), seq: Some(seq), ..origin };
     let background = match query.background {
         RenderBackground::Black => Background::Black,
         RenderBackground::Transparent => Background::Transparent,
     };
-    let mut files = PictureFiles::new(&formats, background, &asked.view);
+    let mut files = PictureFiles::new(&formats, background, &view);
     let payer = Payer::program(&name);
     let mut last: Option<(PictureTrace, Duration)> = None;
-    for WantedPicture { aov, light, name: called } in asked.pictures {
-        let view = View { aov, light, ..asked.view.clone() };
-        let lights = asked.lights.clone();
+    for WantedPicture { aov, light, name: light_name } in pictures {
+        let (view, lights) = (View { aov, light, ..view.clone() }, lights.clone());
         let request = PictureRequest {
-            scene: Arc::clone(&asked.scene.posed),
+            scene: Arc::clone(&scene.posed),
             view: view.clone(),
             session: Arc::clone(&session),
             viewer: Arc::clone(&viewer),
@@ -111,8 +104,8 @@ pub async fn render(
             ticket: PictureTicket::since(Instant::now()),
         };
         let (pixels, trace) = draw(&state, &name, request).await?;
-        let drawn = DrawnPictures { view, lights, light: called, pixels };
-        if let Some((trace, took)) = last.take() {
+        let drawn = DrawnPictures { view, lights, light: light_name, pixels };
+        if let Some((mut trace, took)) = last.take() {
             trace.encoded(took);
         }
         // Compression takes seconds, in which the renderer can draw for others.
@@ -124,11 +117,10 @@ pub async fn render(
         files = added?;
         last = Some((trace, took));
     }
-    let (view, origin) = (asked.view, asked.origin);
     let finished = in_background::run(move || {
         let began = Instant::now();
         let finished = files.finish(&view, &origin);
-        if let Some((trace, took)) = last {
+        if let Some((mut trace, took)) = last {
             trace.encoded(took + began.elapsed());
         }
         finished
@@ -143,18 +135,14 @@ pub async fn render(
 }
 
 /// Draws the picture of one AOV. Returns its pixels and its line for the trace, which still lacks the time of encoding.
-async fn draw(
-    state: &AppState,
-    session: &str,
-    request: PictureRequest,
-) -> Result<(Pixels, PictureTrace), ServerError> {
+async fn draw(state: &AppState, session: &str, request: PictureRequest) -> Result<(Pixels, PictureTrace), ServerError> {
     let (size, asked_at) = ([request.view.width, request.view.height], Instant::now());
-    let drawn = state.backend.renders.draw(request).await;
+    let drawn = state.services.renders.draw(request).await;
     // While the server stops, the end of the renderer is no fault.
-    let stopped = matches!(drawn, Err(ServerError::Internal)) && state.backend.draining.is_cancelled();
+    let stopped = matches!(drawn, Err(ServerError::Internal)) && state.services.draining.is_cancelled();
     let drawn = if stopped { Err(ServerError::Draining) } else { drawn }?;
-    let trace = state.backend.trace.drawn(|| TraceLine {
-        time: drawn.started.saturating_duration_since(state.backend.started).as_secs_f64(),
+    let trace = state.services.trace.drawn(|| TraceLine {
+        time: drawn.started.saturating_duration_since(state.services.started).as_secs_f64(),
         session: session.into(),
         what: TraceWhat::Still {},
         size,
@@ -172,17 +160,15 @@ async fn draw(
 fn resolve_render(
     query: &RenderParameters,
     request: &RenderRequest,
-    (document, scene): (Document, DecodedScene),
+    mut document: Document,
+    scene: DecodedScene,
     viewer: &RenderLease,
 ) -> Result<ResolvedRender, ServerError> {
-    let refused = |error| ServerError::from(edit::EditRefusal::Edit(error));
-    let (mut document, set) = (document, query.set()?);
-    let reach = scene.posed.bounds();
+    let set = query.set()?;
     for (address, value) in &set {
-        let target = document.address_by_id(address).map_err(refused)?;
+        let target = document.address_by_id(address)?;
         let command = Command::Set { target, value: value.clone() }.try_into()?;
-        let context = CommandContext { scene_bounds: reach, loaded: None, solved: None };
-        document = execute_command(&document, &command, context).map_err(refused)?.document;
+        document = execute_command(&document, &command, scene.context(None, None))?.document;
     }
     let mut lights = document.light_instances();
     let mut origin = PictureOrigin {
@@ -191,33 +177,30 @@ fn resolve_render(
         set: (!set.is_empty()).then(|| query.set.clone()).flatten(),
         ..PictureOrigin::default()
     };
-    if let Some(called) = query.lights()? {
-        let ids: Result<BTreeSet<_>, _> = called.iter().map(|light| document.find_light(light)).collect();
-        let ids = ids.map_err(refused)?;
+    if let Some(chosen) = query.lights()? {
+        let ids = chosen.iter().map(|light| document.find_light(light)).collect::<Result<BTreeSet<_>, _>>()?;
         lights.retain(|light| ids.contains(&light.id));
         let names: Vec<&str> = lights.iter().map(|light| light.light.light().name()).collect();
         origin.lights = serde_json::to_string(&names).ok();
     }
     let light = match &request.light {
         None => 0,
-        Some(called) => {
-            let id = document.find_light(called).map_err(refused)?;
-            let place = lights.iter().position(|light| light.id == id);
-            place.ok_or_else(|| {
-                ServerError::BadMessage("`light` is not one of `lights`: add it to them".into())
-            })?
+        Some(name) => {
+            let id = document.find_light(name)?;
+            let index = lights.iter().position(|light| light.id == id);
+            index.ok_or_else(|| ServerError::bad_message("`light` is not one of `lights`: add it to them"))?
         }
     };
     let camera = match &request.camera {
         None => default_camera(&document, &scene, request.framing_aspect()),
         Some(CameraChoice::Own(camera)) => valid_camera((**camera).clone())?,
-        Some(CameraChoice::Named(called)) => {
-            let id = document.find_camera(called).map_err(refused)?;
+        Some(CameraChoice::Named(name)) => {
+            let id = document.find_camera(name)?;
             document.cameras().get(&id).cloned().ok_or(ServerError::Internal)?
         }
     };
-    let of_each = request.aovs == Aovs::All && request.light.is_none();
-    let pictures = wanted_pictures(request.aovs.each(), (!of_each).then_some(light), &lights);
+    let is_of_all_lights = request.aovs == Aovs::All && request.light.is_none();
+    let pictures = wanted_pictures(request.aovs.each(), (!is_of_all_lights).then_some(light), &lights);
     let view = request.view(camera, light, RenderLimits::HTTP, viewer.slot());
     let pixels = view.width as usize * view.height as usize;
     let bytes: usize = pictures.iter().map(|of| pixels * ExrFile::bytes_a_pixel(of.aov)).sum();
@@ -228,10 +211,9 @@ fn resolve_render(
 }
 
 /// Returns the defects of the pictures: notes on the scene, and a sentence for each light that the pictures leave out.
-fn notes(asked: &ResolvedRender) -> Vec<HeaderValue> {
-    let ResolvedRender { document, scene, .. } = asked;
-    let left_out =
-        scene.posed.bounds().undrawable_of(document.lights().values().map(|placed| &*placed.light));
+fn notes(resolved: &ResolvedRender) -> Vec<HeaderValue> {
+    let ResolvedRender { document, scene, .. } = resolved;
+    let left_out = scene.posed.bounds().undrawable_of(document.lights().values().map(|placed| &*placed.light));
     let sentences = scene.notes.iter().cloned().chain(left_out.into_iter().map(|why| why.to_string()));
     // Names can have any characters, and the value of a header only ASCII.
     let plain = |sentence: String| sentence.replace(|c: char| !matches!(c, ' '..='~'), "?");

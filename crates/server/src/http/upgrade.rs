@@ -16,8 +16,8 @@ use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
 use crate::ServerError;
 use crate::limits::{MAX_MESSAGE_BYTES, SOCKET_READ_BYTES};
-use crate::send_within::WriteTimeoutStream;
 use crate::socket::Socket;
+use crate::write_timeout::WriteTimeoutStream;
 
 /// Returns the future of the upgraded connection, and the answer that accepts the upgrade (RFC 6455, section 4.2).
 pub fn upgrade(request: &mut Request) -> Result<(OnUpgrade, Response), ServerError> {

@@ -145,11 +145,14 @@ impl Drop for RenderThread {
         self.ending.store(true, Ordering::Relaxed);
         // Wakes the render thread. If the queue is full, the thread is awake.
         let _ = self.jobs.try_send(Job::Wake);
-        if let Some(thread) = self.thread.take()
-            && thread.join().is_err()
-        {
-            tracing::error!("the render thread had panicked");
-        }
+        join_thread(&mut self.thread, "the render thread");
+    }
+}
+
+/// Waits for the end of a thread, and logs that it has panicked.
+fn join_thread(thread: &mut Option<JoinHandle<()>>, name: &str) {
+    if thread.take().is_some_and(|thread| thread.join().is_err()) {
+        tracing::error!("{name} had panicked");
     }
 }
 
@@ -167,16 +170,13 @@ enum Job {
 
 impl RenderQueue {
     /// Starts the render thread, which opens the device and then warms up. Blocks until the device is open.
-    pub fn start(
-        metrics: Arc<Metrics>,
-        backend: Option<Backend>,
-    ) -> Result<(Self, RenderThread), ServerError> {
+    pub fn start(metrics: Arc<Metrics>, backend: Option<Backend>) -> Result<(Self, RenderThread), ServerError> {
         let (jobs, inbox) = mpsc::channel(RENDER_QUEUE);
         let (noted, readiness) = watch::channel(Readiness::WarmingUp);
         let (opened, is_open) = std::sync::mpsc::sync_channel(1);
         let ending = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&ending);
-        let thread = std::thread::spawn(move || match RenderLoop::open((metrics, backend), inbox, ended) {
+        let thread = std::thread::spawn(move || match RenderLoop::open(metrics, backend, inbox, ended) {
             Ok(render_loop) => {
                 if opened.send(Ok(())).is_ok() {
                     noted.send_replace(render_loop.warm_up());

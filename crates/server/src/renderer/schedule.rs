@@ -11,9 +11,7 @@
 use std::time::{Duration, Instant};
 
 use crate::charges::ChargedSeconds;
-use crate::limits::{
-    MAX_TURN, MOVING_FOR, MOVING_TURN, SETTLING_TIME_SHARE, TURN_WHILE_MOVING, WATCHED_TIME_SHARE,
-};
+use crate::limits::{MAX_TURN, MOVING_FOR, MOVING_TURN, SETTLING_TIME_SHARE, TURN_WHILE_MOVING, WATCHED_TIME_SHARE};
 
 /// Urgency of a picture. More urgent pictures are drawn first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -78,8 +76,11 @@ const SHARES: [(Urgency, f64); 3] = [
     (Urgency::Still, SETTLING_TIME_SHARE),
 ];
 
+/// A value for each class of `SHARES`.
+type PerClass<T> = [T; SHARES.len()];
+
 /// State of the schedule between two slices of drawing time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Schedule {
     /// Time at which a picture of a view that its own viewer moves last waited or was drawn. The next field is the same
     /// for any moving view.
@@ -87,7 +88,7 @@ pub struct Schedule {
     last_moving: Option<Instant>,
     /// Seconds of drawing time owed to each class of `SHARES`: watched views, views at rest and stills. Negative if
     /// the class had more than its share.
-    owed_seconds: [f64; SHARES.len()],
+    owed_seconds: PerClass<f64>,
     /// Time up to which shares are added to `owed_seconds`.
     accrued_until: Option<Instant>,
     /// Class that got the current slice. The slice is deducted from what this class is owed, even if a picture of
@@ -96,13 +97,6 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Makes a schedule that owes no class anything.
-    pub fn new() -> Self {
-        let (last_interactive, last_moving, owed_seconds, accrued_until) =
-            (None, None, [0.0; SHARES.len()], None);
-        Self { last_interactive, last_moving, owed_seconds, accrued_until, turn_class: None }
-    }
-
     /// Chooses the picture to draw next and the length of its slice.
     pub fn next(&mut self, now: Instant, waiting: &[QueuedPicture]) -> ScheduledTurn {
         let waits = |urgency| waiting.iter().any(|task| task.urgency == urgency);
@@ -112,29 +106,20 @@ impl Schedule {
         if waits(Urgency::Moving) || waits(Urgency::Watched) {
             self.last_moving = Some(now);
         }
-        let lately = |moved: Option<Instant>| {
-            moved.is_some_and(|moved| now.saturating_duration_since(moved) < MOVING_FOR)
-        };
-        let (hand_moves, moves) = (lately(self.last_interactive), lately(self.last_moving));
-        let limited = [hand_moves, moves, moves || waits(Urgency::Settling)];
+        let lately =
+            |moved: Option<Instant>| moved.is_some_and(|moved| now.saturating_duration_since(moved) < MOVING_FOR);
+        let (is_interactive, moves) = (lately(self.last_interactive), lately(self.last_moving));
+        let limited = [is_interactive, moves, moves || waits(Urgency::Settling)];
         let turn = if moves { TURN_WHILE_MOVING } else { MAX_TURN };
         self.accrue_shares(now, SHARES.map(|(urgency, _)| waits(urgency)), limited, turn);
 
         let turn = self.choose(waiting, limited, turn);
-        self.turn_class = match turn {
-            ScheduledTurn::Draw(index, _) => Some(waiting[index].urgency),
-            ScheduledTurn::Wait(_) | ScheduledTurn::Idle => None,
-        };
+        self.turn_class = if let ScheduledTurn::Draw(index, _) = turn { Some(waiting[index].urgency) } else { None };
         turn
     }
 
     /// Chooses the next slice, if the marked classes of `SHARES` are limited to their shares.
-    fn choose(
-        &self,
-        waiting: &[QueuedPicture],
-        limited: [bool; SHARES.len()],
-        turn: Duration,
-    ) -> ScheduledTurn {
+    fn choose(&self, waiting: &[QueuedPicture], limited: PerClass<bool>, turn: Duration) -> ScheduledTurn {
         // Owed slices come first, starting with the least urgent class.
         for (index, (urgency, _)) in SHARES.iter().enumerate().rev() {
             if limited[index]
@@ -144,21 +129,18 @@ impl Schedule {
                 return ScheduledTurn::Draw(first, turn);
             }
         }
-        let unlimited = SHARES.iter().zip(limited).filter(|(_, limited)| !limited).map(|(share, _)| share.0);
         if let Some(first) = least_charged(waiting, Urgency::Moving) {
             return ScheduledTurn::Draw(first, MOVING_TURN);
         }
-        for urgency in unlimited {
-            if let Some(first) = least_charged(waiting, urgency) {
-                return ScheduledTurn::Draw(first, turn);
-            }
+        let mut unlimited = SHARES.iter().zip(limited).filter(|(_, limited)| !limited).map(|(share, _)| share.0);
+        if let Some(first) = unlimited.find_map(|urgency| least_charged(waiting, urgency)) {
+            return ScheduledTurn::Draw(first, turn);
         }
         if waiting.is_empty() {
             return ScheduledTurn::Idle;
         }
         let waits_for = waiting.iter().filter_map(|task| account_index(task.urgency));
-        let missing =
-            waits_for.map(|index| (turn.as_secs_f64() - self.owed_seconds[index]).max(0.0) / SHARES[index].1);
+        let missing = waits_for.map(|index| (turn.as_secs_f64() - self.owed_seconds[index]).max(0.0) / SHARES[index].1);
         let least = missing.fold(f64::INFINITY, f64::min);
         ScheduledTurn::Wait(Duration::from_secs_f64(least).clamp(Duration::from_millis(1), MOVING_FOR))
     }
@@ -166,7 +148,6 @@ impl Schedule {
     /// Notes a slice that was used from `began` to `ended` for a picture of `urgency`. The class that the slice was
     /// given to may be another one, because the thread of a scene first finishes the picture that it has begun.
     pub fn record_turn(&mut self, urgency: Urgency, [began, ended]: [Instant; 2]) {
-        let took = ended.saturating_duration_since(began);
         if urgency == Urgency::Moving {
             self.last_interactive = Some(ended);
         }
@@ -174,19 +155,13 @@ impl Schedule {
             self.last_moving = Some(ended);
         }
         if let Some(index) = self.turn_class.take().and_then(account_index) {
-            self.owed_seconds[index] -= took.as_secs_f64();
+            self.owed_seconds[index] -= ended.saturating_duration_since(began).as_secs_f64();
         }
     }
 
     /// Adds each class's share of the time since the last call to the seconds owed to it. A class is owed at most one
     /// slice, so it cannot save up time.
-    fn accrue_shares(
-        &mut self,
-        now: Instant,
-        waits: [bool; SHARES.len()],
-        limited: [bool; SHARES.len()],
-        turn: Duration,
-    ) {
+    fn accrue_shares(&mut self, now: Instant, waits: PerClass<bool>, limited: PerClass<bool>, turn: Duration) {
         let since = self.accrued_until.map_or(Duration::ZERO, |then| now.saturating_duration_since(then));
         self.accrued_until = Some(now);
         for (index, owed) in self.owed_seconds.iter_mut().enumerate() {
@@ -212,9 +187,8 @@ fn least_charged(waiting: &[QueuedPicture], urgency: Urgency) -> Option<usize> {
     // all of them would stay empty for long.
     let waits_from =
         |task: &QueuedPicture| if urgency == Urgency::Watched { task.queued_at } else { task.last_turn_at };
-    let order = |a: &QueuedPicture, b: &QueuedPicture| {
-        a.charged.order(&b.charged).then(waits_from(a).cmp(&waits_from(b)))
-    };
+    let order =
+        |a: &QueuedPicture, b: &QueuedPicture| a.charged.order(&b.charged).then(waits_from(a).cmp(&waits_from(b)));
     Some(of_it.min_by(|(_, a), (_, b)| order(a, b))?.0)
 }
 

@@ -1,8 +1,8 @@
 //! The loop of the render thread, and its state.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -66,7 +66,8 @@ pub(super) struct RenderLoop {
 
 impl RenderLoop {
     pub fn open(
-        (metrics, backend): (Arc<Metrics>, Option<Backend>),
+        metrics: Arc<Metrics>,
+        backend: Option<Backend>,
         inbox: mpsc::Receiver<Job>,
         ended: Arc<AtomicBool>,
     ) -> Result<Self, RenderError> {
@@ -83,7 +84,7 @@ impl RenderLoop {
             ended,
             waiting: Vec::new(),
             last_task: 0,
-            schedule: Schedule::new(),
+            schedule: Schedule::default(),
             charges: Charges::default(),
             moving_payers: BTreeMap::new(),
             core_share: 1.0 / thread::available_parallelism().map_or(1.0, |cores| cores.get() as f64),
@@ -112,7 +113,7 @@ impl RenderLoop {
         while !self.ended.load(Ordering::Relaxed) {
             self.release_unused();
             let (indices, waiting) = self.queued_tasks();
-            let goes_on = match self.schedule.next(Instant::now(), &waiting) {
+            let more_may_come = match self.schedule.next(Instant::now(), &waiting) {
                 ScheduledTurn::Draw(index, turn) => {
                     self.run_turn(indices[index], turn);
                     true
@@ -120,7 +121,7 @@ impl RenderLoop {
                 ScheduledTurn::Wait(time) => self.wait_for_job(time),
                 ScheduledTurn::Idle => self.wait_for_job(Duration::MAX),
             };
-            if !goes_on {
+            if !more_may_come {
                 return;
             }
             while has_room(&mut self.waiting, |task| task.reply.is_closed())
@@ -133,26 +134,19 @@ impl RenderLoop {
 
     /// Returns the indices of the tasks that wait for drawing time, and the data about each that the schedule needs.
     fn queued_tasks(&self) -> (Vec<usize>, Vec<QueuedPicture>) {
-        let aside: Vec<&DrawWorker> =
-            self.workers.iter().filter(|worker| worker.is_in_background()).collect();
-        let is_aside = |task: &PictureTask| {
+        let background: Vec<&DrawWorker> = self.workers.iter().filter(|worker| worker.is_in_background()).collect();
+        let is_in_background = |task: &PictureTask| {
             let PictureRequest { session, scene, .. } = &*task.request;
-            aside.iter().any(|worker| worker.is_for(session, scene))
+            background.iter().any(|worker| worker.is_for(session, scene))
         };
-        let waiting = self.waiting.iter().enumerate().filter(|(_, task)| !is_aside(task));
-        let seen = waiting.map(|(index, task)| {
-            let (urgency, charged) = (task.request.urgency, self.charges.of(&task.request.payer));
-            (
-                index,
-                QueuedPicture {
-                    urgency,
-                    charged,
-                    last_turn_at: task.last_turn_at,
-                    queued_at: task.request.ticket.queued_at,
-                },
-            )
+        let waiting = self.waiting.iter().enumerate().filter(|(_, task)| !is_in_background(task));
+        let queued = waiting.map(|(index, task)| {
+            let PictureRequest { urgency, payer, ticket, .. } = &*task.request;
+            let (urgency, charged) = (*urgency, self.charges.of(payer));
+            let (last_turn_at, queued_at) = (task.last_turn_at, ticket.queued_at);
+            (index, QueuedPicture { urgency, charged, last_turn_at, queued_at })
         });
-        seen.unzip()
+        queued.unzip()
     }
 
     /// Waits for a job, for at most `time`. Returns false if no more jobs can come.
@@ -215,9 +209,7 @@ impl RenderLoop {
         for urgency in Urgency::ALL {
             self.metrics.note_queue(urgency.name(), of(urgency).count());
         }
-        self.metrics
-            .least_still_turns
-            .set(of(Urgency::Still).map(|task| i64::from(task.turns)).min().unwrap_or(0));
+        self.metrics.least_still_turns.set(of(Urgency::Still).map(|task| i64::from(task.turns)).min().unwrap_or(0));
     }
 
     /// Draws the waiting picture `index` for about `turn`, and sends it if it is finished. A cancelled picture is not
@@ -231,21 +223,19 @@ impl RenderLoop {
                 return;
             }
         };
-        let of_it = |task: &PictureTask| Some(task.id) == worker.paused;
-        let index = self.waiting.iter().position(of_it).unwrap_or(index);
-        let task = &self.waiting[index];
+        let index = self.waiting.iter().position(|task| Some(task.id) == worker.paused).unwrap_or(index);
+        let task = &mut self.waiting[index];
         if task.started.is_none() && !task.request.ticket.claim() {
             self.waiting.swap_remove(index);
             self.workers.push(worker);
             return;
         }
         let began = Instant::now();
-        if self.waiting[index].request.urgency.is_moving() {
-            self.moving_payers.insert(self.waiting[index].request.payer.clone(), began);
+        if task.request.urgency.is_moving() {
+            self.moving_payers.insert(task.request.payer.clone(), began);
             self.moving_payers.retain(|_, drew| began.saturating_duration_since(*drew) < SHARED_FOR);
         }
         let is_shared = self.moving_payers.len() > 1;
-        let task = &mut self.waiting[index];
         task.started.get_or_insert(began);
         let drawing = worker.paused.is_none().then(|| match task.drawing.take() {
             Some(mut drawing) => {
@@ -263,19 +253,20 @@ impl RenderLoop {
         let is_new = worker.viewers.len() == 1 && task.turns == 0;
         let report = worker.draw(drawing, turn, &self.turn_end);
         let ended = Instant::now();
+        let took = ended - began;
         task.last_turn_at = ended;
-        task.took += ended - began;
+        task.took += took;
         task.turns += 1;
         let urgency = task.request.urgency;
-        self.charges.charge(&task.request.payer, (ended - began).as_secs_f64());
+        self.charges.charge(&task.request.payer, took.as_secs_f64());
         self.schedule.record_turn(urgency, [began, ended]);
-        self.metrics.render_turn_seconds.observe((ended - began).as_secs_f64());
+        self.metrics.render_turn_seconds.observe(took.as_secs_f64());
         if urgency == Urgency::Still {
             self.metrics.still_turns.inc();
         }
-        if ended - began > MAX_TURN {
+        if took > MAX_TURN {
             let render::View { width, height, .. } = task.request.view;
-            let took = (ended - began).as_millis();
+            let took = took.as_millis();
             tracing::debug!("a turn took {took} ms: {urgency:?}, {width}x{height}, turn {}", task.turns);
         }
         worker.paused = matches!(report, TurnReport::Paused | TurnReport::InBackground).then_some(task.id);
@@ -288,15 +279,9 @@ impl RenderLoop {
             TurnReport::Ended(drawing, Ok(Some(pixels))) => {
                 self.workers.push(worker);
                 let task = self.waiting.swap_remove(index);
-                let (started, took) = (task.started.unwrap_or(began), task.took);
+                let (started, render_time) = (task.started.unwrap_or(began), task.took);
                 let PictureProgress { passes, drew_map, .. } = *drawing;
-                drop(task.reply.send(Ok(DrawnPicture {
-                    pixels,
-                    started,
-                    render_time: took,
-                    drew_map,
-                    passes,
-                })));
+                drop(task.reply.send(Ok(DrawnPicture { pixels, started, render_time, drew_map, passes })));
             }
             TurnReport::Ended(_, Err(RenderError::DeviceLost(why))) if !task.lost_device => {
                 task.lost_device = true;
@@ -352,10 +337,7 @@ impl RenderLoop {
             Some(index) => self.workers.remove(index),
             None => self.open_scene(session, scene)?,
         };
-        let is_listed = |listed: &Weak<RenderLease>, lease: &Arc<RenderLease>| {
-            std::ptr::eq(listed.as_ptr(), &raw const **lease)
-        };
-        if !worker.viewers.iter().any(|(_, known)| is_listed(known, viewer)) {
+        if !worker.viewers.iter().any(|(_, known)| std::ptr::eq(known.as_ptr(), Arc::as_ptr(viewer))) {
             // A view shows one scene, so its data in other workers is freed.
             for other in self.workers.iter_mut().filter(|other| other.paused.is_none()) {
                 other.viewers.retain(|(number, _)| *number != viewer.number);
@@ -366,13 +348,9 @@ impl RenderLoop {
         Ok(worker)
     }
 
-    /// Makes a worker for a session and a scene. If more than half of the budget is taken, drops scenes without
-    /// viewers.
-    fn open_scene(
-        &mut self,
-        session: &Arc<RenderLease>,
-        scene: &Arc<PosedScene>,
-    ) -> Result<DrawWorker, RenderError> {
+    /// Makes a worker for a session and a scene. Before that, drops workers without viewers while more than half of the
+    /// memory budget is taken.
+    fn open_scene(&mut self, session: &Arc<RenderLease>, scene: &Arc<PosedScene>) -> Result<DrawWorker, RenderError> {
         let half = self.memory.budget() / 2;
         while self.memory.total() > half
             && let Some(idle) = self.workers.iter().position(|worker| worker.viewers.is_empty())
@@ -382,24 +360,20 @@ impl RenderLoop {
         self.base.free_dropped_memory();
         let known = self.workers.iter().find(|worker| Arc::ptr_eq(&worker.scene, scene));
         let shared = known.map_or_else(SharedScene::default, |worker| Arc::clone(&worker.shared));
-        Ok(DrawWorker::start(session, (scene, shared), self.base.with_same_pipelines()?))
+        Ok(DrawWorker::start(session, scene, shared, self.base.with_same_pipelines()?))
     }
 }
 
 /// True if the queue has room for another picture. Removes cancelled pictures to make room. Otherwise, after a change
 /// to many views, each client's next picture would wait behind cancelled pictures of all views.
-fn has_room<T>(waiting: &mut Vec<T>, is_given_up: impl Fn(&T) -> bool) -> bool {
+fn has_room<T>(waiting: &mut Vec<T>, is_cancelled: impl Fn(&T) -> bool) -> bool {
     if waiting.len() >= MAX_PICTURES {
-        waiting.retain(|task| !is_given_up(task));
+        waiting.retain(|task| !is_cancelled(task));
     }
     waiting.len() < MAX_PICTURES
 }
 
-fn open(
-    memory: &MemoryBudget,
-    backend: Option<Backend>,
-    turn_end: &TurnDeadline,
-) -> Result<Renderer, RenderError> {
+fn open(memory: &MemoryBudget, backend: Option<Backend>, turn_end: &TurnDeadline) -> Result<Renderer, RenderError> {
     let gpu = Gpu::open(memory.clone(), backend)?.with_yield_policy(turn_end.yield_policy());
     tracing::info!("rendering with {}, shadows and lights by {}", gpu.adapter_name(), gpu.backend().name());
     if let Some(advice) = gpu.advice() {
@@ -414,7 +388,7 @@ mod tests {
 
     /// Deliberate fault that the test must detect: a picture leaves the queue only when it is drawn.
     #[test]
-    fn what_was_given_up_makes_room() {
+    fn cancelled_pictures_make_room() {
         let mut waiting: Vec<usize> = (0..MAX_PICTURES).collect();
         assert!(!has_room(&mut waiting, |_| false) && waiting.len() == MAX_PICTURES);
         assert!(has_room(&mut waiting, |number| number % 2 == 0));

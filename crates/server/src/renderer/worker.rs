@@ -14,7 +14,7 @@ use render::{PassRun, Pixels, RenderError, Renderer, SceneOnDevice, TiledPicture
 use scene::PosedScene;
 use tokio::sync::mpsc;
 
-use super::{Job, PictureFormat, PictureRequest, RenderLease, Urgency};
+use super::{Job, PictureFormat, PictureRequest, RenderLease, Urgency, join_thread};
 use crate::background;
 use crate::limits::{LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS};
 
@@ -61,7 +61,7 @@ impl TurnPlan {
     pub fn after(self, turns: u32, is_shared: bool) -> Self {
         match self {
             Self::Layers if !is_shared || turns >= MAX_MOVING_TURNS => Self::Whole,
-            course => course,
+            plan => plan,
         }
     }
 }
@@ -169,9 +169,9 @@ impl TurnDeadline {
 
 /// Reports a pause and waits for the next slice of drawing time. Returns false if the picture is cancelled.
 fn yield_turn() -> bool {
-    CHANNELS.with_borrow(|baton| {
+    CHANNELS.with_borrow(|channels| {
         // Other threads have no slices of drawing time.
-        let Some(WorkerChannels { orders, reports, .. }) = baton else { return true };
+        let Some(WorkerChannels { orders, reports, .. }) = channels else { return true };
         let is_heard = reports.send(TurnReport::Paused).is_ok();
         is_heard && matches!(orders.recv(), Ok(WorkerOrder::Resume(true)))
     })
@@ -180,14 +180,14 @@ fn yield_turn() -> bool {
 /// Ends the slice, runs `work` as background work, and waits for the next slice. Returns false if the picture is
 /// cancelled.
 fn run_in_background(work: &mut (dyn FnMut() + Send)) -> bool {
-    CHANNELS.with_borrow(|baton| {
-        let Some(WorkerChannels { orders, reports, is_in_background: aside, jobs }) = baton else {
+    CHANNELS.with_borrow(|channels| {
+        let Some(WorkerChannels { orders, reports, is_in_background, jobs }) = channels else {
             return (work(), true).1;
         };
-        aside.store(true, Ordering::Release);
+        is_in_background.store(true, Ordering::Release);
         let is_heard = reports.send(TurnReport::InBackground).is_ok();
         let done = if is_heard { background::run_blocking(work) } else { Ok(false) };
-        aside.store(false, Ordering::Release);
+        is_in_background.store(false, Ordering::Release);
         // If the queue is full, the loop is awake.
         let _ = jobs.try_send(Job::Wake);
         // A panic of the work ends this thread, which reports its end.
@@ -198,30 +198,25 @@ fn run_in_background(work: &mut (dyn FnMut() + Send)) -> bool {
 
 impl DrawWorker {
     /// Starts a thread that draws with `renderer`. The thread uploads the scene before it first draws.
-    pub fn start(
-        session: &Arc<RenderLease>,
-        (scene, shared): (&Arc<PosedScene>, SharedScene),
-        renderer: Renderer,
-    ) -> Self {
+    pub fn start(session: &Arc<RenderLease>, scene: &Arc<PosedScene>, shared: SharedScene, renderer: Renderer) -> Self {
         let (orders, inbox) = sync_channel(ORDER_QUEUE);
         let (outbox, reports) = sync_channel(REPORT_QUEUE);
         let (posed, uploaded) = (Arc::clone(scene), Arc::clone(&shared));
-        let (is_in_background, jobs) = (Arc::default(), session.jobs.clone());
-        let baton = WorkerChannels {
+        let is_in_background = Arc::default();
+        let channels = WorkerChannels {
             orders: inbox,
             reports: outbox.clone(),
             is_in_background: Arc::clone(&is_in_background),
-            jobs,
+            jobs: session.jobs.clone(),
         };
         let named = thread::Builder::new().name("draw".into());
         let thread = named.spawn(move || {
             let _last_word = ReportLostOnDrop(outbox.clone());
-            CHANNELS.set(Some(baton));
-            draw_in_turns(renderer, (&posed, &uploaded), &outbox);
+            CHANNELS.set(Some(channels));
+            draw_in_turns(renderer, &posed, &uploaded, &outbox);
         });
         // Without a thread the reports end at once, and so does each request.
-        let thread =
-            thread.inspect_err(|error| tracing::error!("no thread can be started to draw: {error}")).ok();
+        let thread = thread.inspect_err(|error| tracing::error!("no thread can be started to draw: {error}")).ok();
         Self {
             scene: Arc::clone(scene),
             shared,
@@ -246,12 +241,7 @@ impl DrawWorker {
     }
 
     /// Draws for about `turn`, or continues the paused picture if `drawing` is `None`. Blocks until the slice is over.
-    pub fn draw(
-        &mut self,
-        drawing: Option<Box<PictureProgress>>,
-        turn: Duration,
-        end: &TurnDeadline,
-    ) -> TurnReport {
+    pub fn draw(&mut self, drawing: Option<Box<PictureProgress>>, turn: Duration, end: &TurnDeadline) -> TurnReport {
         end.set(turn);
         let order = drawing.map_or(WorkerOrder::Resume(true), |drawing| WorkerOrder::Draw(drawing, turn));
         // A thread that has ended has reported that.
@@ -281,26 +271,23 @@ impl Drop for DrawWorker {
         self.cancel();
         let (nobody, _) = sync_channel(0);
         self.orders = nobody;
-        if let Some(thread) = self.thread.take()
-            && thread.join().is_err()
-        {
-            tracing::error!("a thread that draws had panicked");
-        }
+        join_thread(&mut self.thread, "a thread that draws");
     }
 }
 
 /// Carries out a worker's orders until the render loop drops the worker.
 fn draw_in_turns(
     mut renderer: Renderer,
-    scene: (&Arc<PosedScene>, &SharedScene),
+    scene: &Arc<PosedScene>,
+    shared: &SharedScene,
     reports: &SyncSender<TurnReport>,
 ) {
-    let next = || CHANNELS.with_borrow(|baton| baton.as_ref()?.orders.recv().ok());
+    let next = || CHANNELS.with_borrow(|channels| channels.as_ref()?.orders.recv().ok());
     let mut is_there = false;
     while let Some(order) = next() {
         match order {
             WorkerOrder::Draw(mut drawing, turn) => {
-                let opened = if is_there { Ok(()) } else { take_over(&mut renderer, scene) };
+                let opened = if is_there { Ok(()) } else { take_over(&mut renderer, scene, shared) };
                 is_there |= opened.is_ok();
                 let drawn = opened.and_then(|()| draw(&mut renderer, &mut drawing, turn));
                 if reports.send(TurnReport::Ended(drawing, drawn)).is_err() {
@@ -314,10 +301,7 @@ fn draw_in_turns(
 }
 
 /// Sets the renderer's scene: shares the upload of another session, or uploads the scene if it is the first.
-fn take_over(
-    renderer: &mut Renderer,
-    (scene, shared): (&Arc<PosedScene>, &SharedScene),
-) -> Result<(), RenderError> {
+fn take_over(renderer: &mut Renderer, scene: &Arc<PosedScene>, shared: &SharedScene) -> Result<(), RenderError> {
     if let Some(uploaded) = shared.get() {
         return renderer.share_scene(uploaded.clone());
     }
@@ -328,32 +312,28 @@ fn take_over(
 }
 
 /// Draws for about `turn`. Returns the pixels if the picture is finished.
-fn draw(
-    renderer: &mut Renderer,
-    drawing: &mut PictureProgress,
-    turn: Duration,
-) -> Result<Option<Pixels>, RenderError> {
-    let PictureProgress { request, plan: course, picture, passes, drew_map } = drawing;
+fn draw(renderer: &mut Renderer, drawing: &mut PictureProgress, turn: Duration) -> Result<Option<Pixels>, RenderError> {
+    let PictureProgress { request, plan, picture, passes, drew_map } = drawing;
     let PictureRequest { view, lights, output, urgency, .. } = &**request;
     let maps = renderer.counts().shadow;
     let (width, height) = (view.width, view.height);
     let display = |bytes| Pixels::Display { width, height, bytes };
-    let pixels = match course {
+    let pixels = match plan {
         TurnPlan::Whole => Some(display(renderer.render_display(view, lights)?)),
         TurnPlan::Layers => match renderer.advance_display(view, lights, turn)? {
             Poll::Ready(bytes) => Some(display(bytes)),
             Poll::Pending => None,
         },
         TurnPlan::Tiles => {
-            let mut begun = match (picture.take(), output) {
-                (Some(begun), _) => begun,
+            let mut tiled = match (picture.take(), output) {
+                (Some(tiled), _) => tiled,
                 (None, PictureFormat::Display) => TiledPicture::for_screen(view, lights)?,
                 (None, PictureFormat::File(needs)) => TiledPicture::for_files(view, lights, *needs)?,
             };
-            if renderer.advance_tiled(&mut begun, turn)? {
-                Some(begun.into_pixels())
+            if renderer.advance_tiled(&mut tiled, turn)? {
+                Some(tiled.into_pixels())
             } else {
-                *picture = Some(begun);
+                *picture = Some(tiled);
                 None
             }
         }

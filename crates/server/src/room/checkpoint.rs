@@ -1,5 +1,7 @@
 //! Checkpoints of an open session: the decision to write one, and its storage.
 
+use std::sync::Arc;
+
 use protocol::SessionCheckpoint;
 use store::RecordTail;
 use tokio::task::spawn_blocking;
@@ -25,12 +27,14 @@ impl Room {
             return;
         }
         self.tail = RecordTail::default();
-        let session = self.session.clone();
-        let kept = match spawn_blocking(move || SessionCheckpoint::from(&session)).await {
-            Ok(checkpoint) => self.backend.storage.keep_checkpoint(&self.name, checkpoint).await,
+        let (session, name) = (self.session.clone(), Arc::clone(&self.name));
+        let stored = match spawn_blocking(move || SessionCheckpoint::from(&session)).await {
+            Ok(checkpoint) => {
+                self.services.storage.run_exclusive(move |store| store.keep_checkpoint(&name, &checkpoint)).await
+            }
             Err(_) => Err(ServerError::Internal),
         };
-        match kept {
+        match stored {
             Ok(bytes) => self.checkpoint_bytes = bytes,
             Err(error) => tracing::warn!("session {} has no new checkpoint: {error}", self.name),
         }
@@ -61,8 +65,7 @@ mod tests {
             let command = Command::try_from(command).unwrap();
             let actor = Actor { id: format!("{:0>64}", actor(n)), name: "Ada".into() };
             let request = EditRequest::Edit { base_seq: None, command };
-            let record =
-                session.execute_request(request, &actor, &n.to_string(), 0, EditSources::default()).unwrap();
+            let record = session.execute_request(request, &actor, &n.to_string(), 0, EditSources::default()).unwrap();
             let bytes = protocol::Record::from(&record).to_json().len() as u64;
             of_records += bytes;
             tail += RecordTail { records: 1, bytes };

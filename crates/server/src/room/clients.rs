@@ -1,10 +1,9 @@
 //! Clients of a session: joining, leaving, presence.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
-use protocol::{
-    Document, GestureState, GestureStatus, Presence, Resync, ServerMessage, Settings, State, Welcome,
-};
+use protocol::{Document, GestureState, GestureStatus, Presence, Resync, ServerMessage, Settings, State, Welcome};
+use store::Store;
 
 use super::Room;
 use super::message::{JoinRequest, RoomMessage};
@@ -35,26 +34,24 @@ impl ConnectedClient {
 
     /// Removes queued updates of gestures that end with the connection: all gestures that no queued commit completes.
     pub fn discard_uncommitted(&mut self) {
-        let committed = |gesture: &String| {
-            self.queued.iter().any(|message| match message {
-                RoomMessage::Client { request: ClientRequest::Step(step), .. } => {
-                    matches!(&step.request, Ok(RecordAction::Commit(id)) if id == gesture)
-                }
-                _ => false,
-            })
+        let committed = |message: &RoomMessage| match message {
+            RoomMessage::Client { request: ClientRequest::Step(step), .. } => match &step.request {
+                Ok(RecordAction::Commit(id)) => Some(id.clone()),
+                _ => None,
+            },
+            _ => None,
         };
-        let is_left_out = |message: &RoomMessage| match message {
+        let committed: BTreeSet<String> = self.queued.iter().filter_map(committed).collect();
+        let is_kept = |message: &RoomMessage| match message {
             RoomMessage::Client { request: ClientRequest::UpdateGesture { gesture, .. }, .. } => {
-                !committed(gesture)
+                committed.contains(gesture)
             }
-            _ => false,
+            _ => true,
         };
-        let left_out: Vec<bool> = self.queued.iter().map(is_left_out).collect();
-        if left_out.first() == Some(&true) {
+        if !self.queued.front().is_none_or(is_kept) {
             self.solves.cancel();
         }
-        let mut left_out = left_out.into_iter();
-        self.queued.retain(|_| !left_out.next().unwrap_or_default());
+        self.queued.retain(is_kept);
     }
 }
 
@@ -72,38 +69,29 @@ impl Room {
         let known = last_seq.filter(|_| epoch.as_ref() == Some(&self.epoch));
         let state = self.state_from(known).await;
         let document = match &state {
-            State::Tail(_) => None,
-            State::Snapshot(_) => {
-                let document = match self.backend.in_flight.check() {
-                    Ok(()) => self.document_json().await,
-                    Err(busy) => Err(busy),
-                };
-                match document {
-                    Ok(document) => Some(document),
-                    Err(error) => return outbox.send_error(&error, true),
-                }
-            }
+            State::Tail(_) => Ok(None),
+            State::Snapshot(_) => match self.services.in_flight.check() {
+                Ok(()) => self.document_json().await.map(Some),
+                Err(busy) => Err(busy),
+            },
+        };
+        let document = match document {
+            Ok(document) => document,
+            Err(error) => return outbox.send_error(&error, true),
         };
         self.last_client += 1;
         let id = self.last_client;
         tracing::debug!("client {id} of session {}: {principal}", self.name);
         self.views.insert(id, &principal.actor.id);
-        self.clients.insert(
-            id,
-            ConnectedClient {
-                principal,
-                selection: None,
-                solves: SolveState::default(),
-                queued: VecDeque::new(),
-            },
-        );
+        let (solves, queued) = (SolveState::default(), VecDeque::new());
+        self.clients.insert(id, ConnectedClient { principal, selection: None, solves, queued });
         self.outboxes.insert(id, outbox);
-        self.backend.metrics.clients.inc();
+        self.services.metrics.clients.inc();
         let welcome = ServerMessage::Welcome(Box::new(self.welcome(id, state)));
         match document {
             None => self.outboxes.send(id, &welcome),
             Some(document) => {
-                let text = SharedText::with_document(&welcome, document, &self.backend.in_flight);
+                let text = SharedText::with_document(&welcome, document, &self.services.in_flight);
                 self.outboxes.send_text(id, text);
             }
         }
@@ -141,22 +129,17 @@ impl Room {
     }
 
     fn gesture_states(&self) -> Vec<GestureState> {
-        let held = |gesture| self.gesture_state(gesture, GestureStatus::Held { refused: None });
-        self.session.gestures().map(held).collect()
+        self.session.gestures().map(|gesture| self.held_state(gesture)).collect()
     }
 
     /// Returns the records after the one that the client knows. If the client knows none, or too many are missing,
     /// returns an empty document, which the caller replaces with the text of the session's document.
     async fn state_from(&self, known: Option<u64>) -> State {
-        let missing =
-            known.and_then(|seq| self.session.seq().checked_sub(seq)).filter(|n| *n <= MAX_CATCH_UP_RECORDS);
+        let missing = known.and_then(|seq| self.session.seq().checked_sub(seq)).filter(|n| *n <= MAX_CATCH_UP_RECORDS);
         if let Some((known, missing)) = known.zip(missing) {
             let name = self.name.clone();
-            let read = self
-                .backend
-                .storage
-                .read(move |store| store.page(&name, known + 1, missing as usize, MAX_CATCH_UP_BYTES));
-            match read.await {
+            let page = move |store: &Store| store.page(&name, known + 1, missing as usize, MAX_CATCH_UP_BYTES);
+            match self.services.storage.read(page).await {
                 Ok(records) if records.len() as u64 == missing => return State::Tail(records),
                 // A page is limited in bytes and may lack records.
                 Ok(_) => {}
@@ -171,10 +154,10 @@ impl Room {
         if self.clients.remove(&id).is_none() {
             return;
         }
-        self.backend.metrics.clients.dec();
+        self.services.metrics.clients.dec();
         self.outboxes.remove(id);
         self.views.remove(id);
-        self.probes.forget(id);
+        self.probes.waiting.remove(&id);
         for gesture in self.session.end_gestures_of(id) {
             self.end_gesture(gesture, GestureStatus::Cancelled { refused: None }, tick);
         }
@@ -202,40 +185,28 @@ impl Room {
 
     fn presence(&self) -> Vec<Presence> {
         let presence = |(&id, client): (&ClientId, &ConnectedClient)| {
-            let view = self.views.view_of(id);
+            let view = self.views.parameters_of(id);
             Presence {
                 client: id,
                 actor: (&client.principal.actor).into(),
                 selection: client.selection,
                 following: self.views.leader_of(id),
-                camera: view.map(|(camera, _)| camera.into()),
-                settings: view.map(|(_, settings)| settings.into()),
+                camera: view.map(|view| (&view.camera).into()),
+                settings: view.map(|view| (&view.settings).into()),
             }
         };
         self.clients.iter().map(presence).collect()
     }
 
-    /// Sends the current state to clients that fell behind and have received everything sent before. Does nothing while
-    /// the budget of bytes in flight is used up.
-    pub(super) async fn catch_up_clients(&mut self) {
-        if !self.backend.in_flight.is_full() {
-            self.catch_up(Outbox::can_catch_up).await;
-        }
-    }
-
-    /// Sends the current state to all clients that fell behind. The room ends, so this is the last chance.
-    pub(super) async fn catch_up_all(&mut self) {
-        self.catch_up(Outbox::is_behind).await;
-    }
-
-    async fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool) {
+    /// Sends the current state to the clients whose outbox is `chosen`, which must have fallen behind.
+    pub(super) async fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool) {
         if !self.outboxes.any(&chosen) {
             return;
         }
         match self.document_json().await {
             Ok(document) => {
                 let resync = ServerMessage::Resync(Box::new(self.resync()));
-                let resync = SharedText::with_document(&resync, document, &self.backend.in_flight);
+                let resync = SharedText::with_document(&resync, document, &self.services.in_flight);
                 self.outboxes.catch_up(chosen, &resync);
             }
             Err(error) => tracing::error!("the text of session {} cannot be made: {error}", self.name),

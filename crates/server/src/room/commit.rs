@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use document::CommandContext;
 use protocol::{EditResults, GestureStatus, Outcome, ServerMessage};
 
 use super::Room;
@@ -12,13 +11,12 @@ use crate::ServerError;
 impl Room {
     /// Commits the tick and publishes it. On an error rolls it back and answers with the reason.
     pub(super) async fn commit(&mut self, mut tick: Tick) {
-        let records: Vec<_> =
-            std::mem::take(&mut tick.records).into_iter().map(Arc::unwrap_or_clone).collect();
+        let records: Vec<_> = std::mem::take(&mut tick.records).into_iter().map(Arc::unwrap_or_clone).collect();
         let rejections = std::mem::take(&mut tick.rejections);
         if !(records.is_empty() && rejections.is_empty()) {
             let hash = self.session.document().hash();
             let name = Arc::clone(&self.name);
-            match self.backend.storage.append(name, records, rejections, hash).await {
+            match self.services.storage.append(name, records, rejections, hash).await {
                 Ok(more) => self.tail += more,
                 Err(error) => self.roll_back(&mut tick, &error),
             }
@@ -33,12 +31,7 @@ impl Room {
     fn roll_back(&mut self, tick: &mut Tick, error: &ServerError) {
         if let Some((session, scene)) = tick.before.take().map(|before| *before) {
             self.scene = scene;
-            let context = CommandContext {
-                scene_bounds: self.scene.decoded.posed.bounds(),
-                loaded: None,
-                solved: None,
-            };
-            self.session.roll_back_to(session, context);
+            self.session.roll_back_to(session, self.scene.decoded.context(None, None));
         }
         let rolled_back = |outgoing| match outgoing {
             Outgoing::Record(_) => None,
@@ -101,6 +94,6 @@ impl Room {
     }
 
     fn count(&self, outcome: &Outcome) {
-        self.backend.metrics.count_edit(outcome.code());
+        self.services.metrics.count_edit(outcome.code());
     }
 }

@@ -8,10 +8,11 @@ use edit::Actor;
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
 
-use super::message::{Reply, RoomHandle, RoomMessage, RoomOpening};
+use super::RoomStart;
+use super::message::{Reply, RoomHandle, RoomMessage, RoomOpening, SessionSnapshot};
 use crate::ServerError;
-use crate::backend::Services;
 use crate::limits::{MAX_ROOMS, ROOM_QUEUE};
+use crate::services::Services;
 
 /// Handle to the directory of open sessions.
 #[derive(Clone, Debug)]
@@ -74,56 +75,54 @@ impl RoomStatus {
 
 impl Rooms {
     /// Starts the directory. No session is open.
-    pub fn start(backend: Services) -> Self {
+    pub fn start(services: Services) -> Self {
         let (requests, inbox) = mpsc::channel(ROOM_QUEUE);
         let rooms = Self { requests };
-        let directory = Directory { backend, rooms: rooms.clone(), entries: BTreeMap::new(), last_number: 0 };
+        let directory = Directory { services, rooms: rooms.clone(), entries: BTreeMap::new(), last_number: 0 };
         tokio::spawn(directory.run(inbox));
         rooms
     }
 
     /// Returns the room of a session, and opens the session if necessary.
     pub async fn find(&self, name: &str) -> Result<RoomHandle, ServerError> {
-        let (reply, found) = oneshot::channel();
-        let request = DirectoryRequest::Find { name: name.into(), reply };
-        self.requests.send(request).await.map_err(|_| ServerError::Draining)?;
-        found.await.map_err(|_| ServerError::Draining)??.opened().await
+        self.request(|reply| DirectoryRequest::Find { name: name.into(), reply }).await??.opened().await
+    }
+
+    /// Returns the current state of a session, and opens the session if necessary.
+    pub async fn snapshot(&self, name: &str) -> Result<SessionSnapshot, ServerError> {
+        self.find(name).await?.request(RoomMessage::Snapshot).await
     }
 
     /// Returns the actor of each connected client of each open session, in the order of joining.
     pub async fn clients(&self) -> Result<BTreeMap<Arc<str>, Vec<Actor>>, ServerError> {
-        let (reply, clients) = oneshot::channel();
-        self.requests.send(DirectoryRequest::Clients(reply)).await.map_err(|_| ServerError::Draining)?;
-        clients.await.map_err(|_| ServerError::Draining)
+        self.request(DirectoryRequest::Clients).await
     }
 
     /// Tells the clients of a session that its title or its archived state changed. Does not open the session.
     pub async fn notify_change(&self, name: &str, title: &str, archived: bool) {
-        let (reply, found) = oneshot::channel();
-        let request = DirectoryRequest::FindOpen { name: name.into(), reply };
+        let find = |reply| DirectoryRequest::FindOpen { name: name.into(), reply };
         // A server that stops and a session that ends have no clients to tell.
-        if self.requests.send(request).await.is_ok()
-            && let Ok(Some(room)) = found.await
-        {
+        if let Ok(Some(room)) = self.request(find).await {
             let _ = room.send(RoomMessage::Changed { title: title.into(), archived }).await;
         }
     }
 
     /// Deletes an archived session that has no clients.
     pub async fn delete(&self, name: &str) -> Result<(), ServerError> {
-        let (reply, deleted) = oneshot::channel();
-        let request = DirectoryRequest::Delete { name: name.into(), reply };
-        self.requests.send(request).await.map_err(|_| ServerError::Draining)?;
-        deleted.await.map_err(|_| ServerError::Draining)?
+        self.request(|reply| DirectoryRequest::Delete { name: name.into(), reply }).await?
     }
 
     /// Closes all sessions. Returns once each has committed the requests it accepted and has answered its clients.
     pub async fn drain(&self) {
-        let (reply, done) = oneshot::channel();
-        if self.requests.send(DirectoryRequest::Drain(reply)).await.is_ok() {
-            // An error means that the directory has ended, and all rooms with it.
-            let _ = done.await;
-        }
+        // An error means that the directory has ended, and all rooms with it.
+        let _ = self.request(DirectoryRequest::Drain).await;
+    }
+
+    /// Sends a request and waits for its answer.
+    async fn request<T>(&self, request: impl FnOnce(oneshot::Sender<T>) -> DirectoryRequest) -> Result<T, ServerError> {
+        let (reply, answer) = oneshot::channel();
+        self.requests.send(request(reply)).await.map_err(|_| ServerError::Draining)?;
+        answer.await.map_err(|_| ServerError::Draining)
     }
 
     /// Reports a room as idle. If the queue is full, the room reports again later.
@@ -133,7 +132,7 @@ impl Rooms {
 }
 
 struct Directory {
-    backend: Services,
+    services: Services,
     rooms: Rooms,
     entries: BTreeMap<Arc<str>, RoomEntry>,
     last_number: u64,
@@ -148,8 +147,7 @@ impl Directory {
                 DirectoryRequest::Idle { name, number } => self.close_room(&name, number),
                 DirectoryRequest::Clients(reply) => drop(reply.send(self.clients())),
                 DirectoryRequest::FindOpen { name, reply } => {
-                    let entry = self.entries.get(name.as_str());
-                    drop(reply.send(entry.and_then(|entry| entry.handle.clone())));
+                    drop(reply.send(self.entries.get(&*name).and_then(|entry| entry.handle.clone())));
                 }
                 DirectoryRequest::Delete { name, reply } => self.delete(name.into(), reply),
                 DirectoryRequest::Drain(done) => {
@@ -164,7 +162,7 @@ impl Directory {
 
     fn find(&mut self, name: Arc<str>) -> Result<RoomHandle, ServerError> {
         if let Some(handle) = self.entries.get(&name).and_then(|entry| entry.handle.as_ref())
-            && !handle.is_closed()
+            && !handle.inbox.is_closed()
         {
             return Ok(handle.clone());
         }
@@ -175,10 +173,15 @@ impl Directory {
         let (number, status) = (self.last_number, Arc::new(RoomStatus::default()));
         let (sender, inbox) = mpsc::channel(ROOM_QUEUE);
         let (opening, opened) = watch::channel(RoomOpening::UnderWay);
-        let named = (Arc::clone(&name), number);
-        let shared = (self.backend.clone(), self.rooms.clone());
-        let room = super::run(inbox, named, (opening, Arc::clone(&status)), shared, before);
-        let handle = RoomHandle::new(sender, opened);
+        let start = RoomStart {
+            name: Arc::clone(&name),
+            number,
+            status: Arc::clone(&status),
+            services: self.services.clone(),
+            rooms: self.rooms.clone(),
+        };
+        let room = super::run(start, inbox, opening, before);
+        let handle = RoomHandle { inbox: sender, opening: opened };
         let entry = RoomEntry { number, handle: Some(handle.clone()), status, task: tokio::spawn(room) };
         self.entries.insert(name, entry);
         Ok(handle)
@@ -216,13 +219,13 @@ impl Directory {
     /// Deletes a session after its room has ended, if it has one. The deleting task replaces the room in the directory,
     /// so a request for the session waits for it and then finds no session.
     fn delete(&mut self, name: Arc<str>, reply: Reply<()>) {
-        let people = self.entries.get(&name).map_or_else(Vec::new, |entry| entry.status.clients());
+        let people = self.entries.get(&name).map(|entry| entry.status.clients()).unwrap_or_default();
         if !people.is_empty() {
             let people = people.into_iter().map(|actor| actor.name).collect();
             return drop(reply.send(Err(ServerError::InUse { session: name.to_string(), people })));
         }
         let before = self.entries.remove(&name);
-        let (session, storage) = (Arc::clone(&name), self.backend.storage.clone());
+        let (session, storage) = (Arc::clone(&name), self.services.storage.clone());
         let task = tokio::spawn(async move {
             if let Some(RoomEntry { handle, task, .. }) = before {
                 if let Some(handle) = handle {
@@ -232,7 +235,7 @@ impl Directory {
                 let _ = task.await;
             }
             // The asker may have stopped waiting.
-            let _ = reply.send(storage.delete_session(session).await);
+            let _ = reply.send(storage.run_exclusive(move |store| store.delete_session(&session)).await);
         });
         self.last_number += 1;
         let (number, status) = (self.last_number, Arc::default());

@@ -1,12 +1,12 @@
 //! Gestures: everybody sees them live, and the log gets them on commit.
 
-use document::{Change, Command, CommandContext};
+use document::Change;
 use edit::{Actor, EditRefusal, Gesture};
 use light::LightId;
 use protocol::{GestureState, GestureStatus};
 
 use super::Room;
-use super::solving::{FoundSolution, with_solution};
+use super::grouping::CompletedCommand;
 use super::tick::{Outgoing, Tick};
 use crate::ServerError;
 use crate::outboxes::ClientId;
@@ -17,14 +17,14 @@ impl Room {
         id: &str,
         light: LightId,
         base_seq: u64,
-        holder: (ClientId, &Actor),
+        client: ClientId,
+        actor: &Actor,
         tick: &mut Tick,
     ) {
         let now_ms = self.clock_ms();
-        match self.session.begin_gesture(id, light, base_seq, holder, now_ms).cloned() {
-            Ok(gesture) => tick
-                .send(Outgoing::Gesture(self.gesture_state(&gesture, GestureStatus::Held { refused: None }))),
-            Err(refusal) => self.refuse_gesture((id, light.0, 0), holder.0, &refusal.into(), tick),
+        match self.session.begin_gesture(id, light, base_seq, client, actor, now_ms).cloned() {
+            Ok(gesture) => tick.send(Outgoing::Gesture(self.held_state(&gesture))),
+            Err(refusal) => self.refuse_gesture(id, light.0, 0, client, &refusal.into(), tick),
         }
     }
 
@@ -32,21 +32,25 @@ impl Room {
         &mut self,
         id: &str,
         update: u64,
-        (command, found): (Result<Command, ServerError>, FoundSolution),
-        (client, actor): (ClientId, &Actor),
+        command: Result<CompletedCommand, ServerError>,
+        client: ClientId,
+        actor: &Actor,
         tick: &mut Tick,
     ) {
         let Some(before) = self.gesture_of(id, actor) else {
             let error = EditRefusal::NoGesture(id.to_owned()).into();
-            return self.refuse_gesture((id, 0, update), client, &error, tick);
+            return self.refuse_gesture(id, 0, update, client, &error, tick);
         };
-        match self.updated_gesture(id, update, (command, found), actor) {
+        let now_ms = self.clock_ms();
+        let updated = command.and_then(|CompletedCommand { command, solved }| {
+            let context = self.scene.decoded.context(None, solved.as_ref());
+            Ok(self.session.update_gesture(id, update, command, actor, now_ms, context).cloned()?)
+        });
+        match updated {
             Ok(gesture) => {
                 tick.changes_pictures |= is_visible(&before) || is_visible(&gesture);
                 self.live_revision = self.live_revision.wrapping_add(1);
-                tick.send(Outgoing::Gesture(
-                    self.gesture_state(&gesture, GestureStatus::Held { refused: None }),
-                ));
+                tick.send(Outgoing::Gesture(self.held_state(&gesture)));
             }
             Err(error) => {
                 let status = GestureStatus::Held { refused: Some(error.problem()) };
@@ -56,24 +60,10 @@ impl Room {
         }
     }
 
-    fn updated_gesture(
-        &mut self,
-        id: &str,
-        update: u64,
-        (command, found): (Result<Command, ServerError>, FoundSolution),
-        actor: &Actor,
-    ) -> Result<Gesture, ServerError> {
-        let (command, solved) = with_solution(command?, found)?;
-        let reach = self.scene.decoded.posed.bounds();
-        let context = CommandContext { scene_bounds: reach, loaded: None, solved: solved.as_ref() };
-        let now_ms = self.clock_ms();
-        Ok(self.session.update_gesture(id, update, command, actor, now_ms, context).cloned()?)
-    }
-
-    pub(super) fn cancel_gesture(&mut self, id: &str, (client, actor): (ClientId, &Actor), tick: &mut Tick) {
+    pub(super) fn cancel_gesture(&mut self, id: &str, client: ClientId, actor: &Actor, tick: &mut Tick) {
         match self.session.end_gesture(id, actor) {
             Ok(gesture) => self.end_gesture(gesture, GestureStatus::Cancelled { refused: None }, tick),
-            Err(refusal) => self.refuse_gesture((id, 0, 0), client, &refusal.into(), tick),
+            Err(refusal) => self.refuse_gesture(id, 0, 0, client, &refusal.into(), tick),
         }
     }
 
@@ -101,7 +91,9 @@ impl Room {
     /// Tells a client that it does not hold that gesture.
     fn refuse_gesture(
         &self,
-        (id, light, update): (&str, u64, u64),
+        id: &str,
+        light: u64,
+        update: u64,
         client: ClientId,
         error: &ServerError,
         tick: &mut Tick,
@@ -121,10 +113,15 @@ impl Room {
 
     /// Returns the gesture that an actor holds under that id.
     pub(super) fn gesture_of(&self, id: &str, actor: &Actor) -> Option<Gesture> {
-        self.session.gestures().find(|held| held.id == id && held.actor.id == actor.id).cloned()
+        self.session.gestures().find(|gesture| gesture.id == id && gesture.actor.id == actor.id).cloned()
     }
 
-    pub(super) fn gesture_state(&self, gesture: &Gesture, status: GestureStatus) -> GestureState {
+    /// Returns the state of a gesture that goes on.
+    pub(super) fn held_state(&self, gesture: &Gesture) -> GestureState {
+        self.gesture_state(gesture, GestureStatus::Held { refused: None })
+    }
+
+    fn gesture_state(&self, gesture: &Gesture, status: GestureStatus) -> GestureState {
         GestureState {
             gesture: gesture.id.clone(),
             client: gesture.client,
@@ -132,11 +129,7 @@ impl Room {
             update: gesture.update,
             live_revision: self.live_revision,
             changes: gesture.changes().iter().map(protocol::Change::from).collect(),
-            outcome: gesture
-                .live
-                .as_ref()
-                .and_then(|shown| shown.outcome.as_ref())
-                .map(|o| Box::new(o.into())),
+            outcome: gesture.live.as_ref().and_then(|live| live.outcome.as_ref()).map(|o| Box::new(o.into())),
             status,
         }
     }

@@ -1,27 +1,32 @@
 //! Groups of edits that make one step. Each edit is read in the document after the ones before it, including names.
 
-use document::{Command, CommandContext, Document, GroupedCommand, SolvedDrag, execute_command};
+use document::{Command, Document, GroupedCommand, SolvedDrag, execute_command};
 use edit::{EditRefusal, GroupedEdit};
-use light::SceneBounds;
 
 use crate::ServerError;
 use crate::request::RequestedEdit;
+use crate::scenes::DecodedScene;
 
-/// Returns the edits as they apply from `document` on. `solved` completes a command from the scene in a given document
-/// and adds the solution of its drag. An error names the edit that it comes from.
+/// A command, completed from the scene, with the result of its drag.
+pub(super) struct CompletedCommand {
+    pub command: Command,
+    pub solved: Option<SolvedDrag>,
+}
+
+/// Returns the edits as they apply from `document` on, in `scene`. `complete` completes a command from the scene in a
+/// given document. An error names the edit that it comes from.
 pub(super) fn resolve_group(
-    asked: &[RequestedEdit],
+    requested: &[RequestedEdit],
     document: &Document,
-    reach: SceneBounds,
-    mut solved: impl FnMut(Command, &Document) -> Result<(Command, Option<SolvedDrag>), ServerError>,
+    scene: &DecodedScene,
+    mut complete: impl FnMut(Command, &Document) -> Result<CompletedCommand, ServerError>,
 ) -> Result<Vec<GroupedEdit>, ServerError> {
     let mut draft = document.clone();
-    let mut edits = Vec::with_capacity(asked.len());
-    for (index, RequestedEdit { base_seq, command }) in asked.iter().enumerate() {
+    let mut edits = Vec::with_capacity(requested.len());
+    for (index, RequestedEdit { base_seq, command }) in requested.iter().enumerate() {
         let mut next = || {
-            let (command, solved) = solved(command.of(&draft)?, &draft)?;
-            let context = CommandContext { scene_bounds: reach, loaded: None, solved: solved.as_ref() };
-            draft = execute_command(&draft, &command, context).map_err(EditRefusal::from)?.document;
+            let CompletedCommand { command, solved } = complete(command.of(&draft)?, &draft)?;
+            draft = execute_command(&draft, &command, scene.context(None, solved.as_ref()))?.document;
             Ok(GroupedEdit { base_seq: *base_seq, grouped: GroupedCommand { command, solved } })
         };
         edits.push(next().map_err(|error| in_group_error(index, error))?);

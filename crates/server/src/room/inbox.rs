@@ -9,6 +9,8 @@ use tokio::sync::{OwnedSemaphorePermit, mpsc};
 
 use super::Room;
 use super::message::{RoomMessage, SessionSnapshot};
+use super::queues::Asker;
+use super::solving::{SolveState, with_solution};
 use super::tick::{EarlierOutcomes, Outgoing, RequestBatch, Tick};
 use crate::ServerError;
 use crate::limits::MAX_TICK_MESSAGES;
@@ -43,17 +45,15 @@ impl Room {
         let mut afterwards = Vec::new();
         for message in messages {
             match message {
-                RoomMessage::Edit { principal, steps, reply, cancellation: gone } => {
+                RoomMessage::Edit { principal, steps, reply, cancellation } => {
                     tracing::debug!("{} steps in session {} by {principal}", steps.len(), self.name);
-                    self.batches.push_back(RequestBatch::new(principal, steps, (reply, gone)));
+                    let (done, answers) = (Vec::with_capacity(steps.len()), Vec::new());
+                    let (steps, solves) = (steps.into_iter(), SolveState::default());
+                    let batch = RequestBatch { principal, steps, done, answers, solves, reply, cancellation };
+                    self.batches.push_back(batch);
                 }
                 RoomMessage::Client { .. } | RoomMessage::Leave(_) => behind.push(message),
-                RoomMessage::Join(_)
-                | RoomMessage::Snapshot(_)
-                | RoomMessage::Changed { .. }
-                | RoomMessage::Drain => {
-                    afterwards.push(message);
-                }
+                _ => afterwards.push(message),
             }
         }
         // A solved update is shown even if a newer one has come. Otherwise a slow drag would never be shown.
@@ -63,15 +63,11 @@ impl Room {
         for message in now {
             let Some(message) = self.take_or_queue(message) else { continue };
             match message {
-                RoomMessage::Client { client, request, queue_permit: place } => {
-                    self.handle(client, request, place, &mut tick).await;
+                RoomMessage::Client { client, request, queue_permit } => {
+                    self.handle(client, request, queue_permit, &mut tick).await;
                 }
                 RoomMessage::Leave(client) => self.leave(client, &mut tick),
-                RoomMessage::Edit { .. }
-                | RoomMessage::Join(_)
-                | RoomMessage::Snapshot(_)
-                | RoomMessage::Changed { .. }
-                | RoomMessage::Drain => {}
+                _ => {}
             }
         }
         self.run_batches(&mut tick).await;
@@ -88,7 +84,7 @@ impl Room {
                     self.outboxes.broadcast(&ServerMessage::SessionChanged { title, archived }, None);
                 }
                 RoomMessage::Drain => self.drain(),
-                RoomMessage::Client { .. } | RoomMessage::Edit { .. } | RoomMessage::Leave(_) => {}
+                _ => {}
             }
         }
     }
@@ -102,19 +98,17 @@ impl Room {
             }
             _ => None,
         });
-        let going_on = self.batches.iter().filter(|batch| !batch.solves.is_pending());
-        let of_batches =
-            going_on.flat_map(|batch| batch.next_steps(share).iter().map(|step| (&batch.principal, step)));
+        let runnable = self.batches.iter().filter(|batch| !batch.solves.is_pending());
+        let of_batches = runnable.flat_map(|batch| batch.next_steps(share).iter().map(|step| (&batch.principal, step)));
         let operations = of_clients.chain(of_batches);
-        let keys =
-            operations.map(|(principal, step)| (principal.actor.id.clone(), step.op_id.clone())).collect();
+        let keys = operations.map(|(principal, step)| (principal.actor.id.clone(), step.op_id.clone())).collect();
         self.outcomes(keys).await
     }
 
     /// Returns the number of steps of each program's request in a tick.
     fn steps_per_batch(&self) -> usize {
-        let going_on = self.batches.iter().filter(|batch| !batch.solves.is_pending()).count();
-        (MAX_TICK_MESSAGES / going_on.max(1)).max(1)
+        let runnable = self.batches.iter().filter(|batch| !batch.solves.is_pending()).count();
+        (MAX_TICK_MESSAGES / runnable.max(1)).max(1)
     }
 
     /// Carries out steps of each program's request, as many as the tick has room for.
@@ -133,7 +127,7 @@ impl Room {
                 }
                 // The step stays in the queue until it can be carried out.
                 let Some(step) = batch.steps.as_slice().first() else { break };
-                let asker = (&batch.principal.actor, Some(&batch.cancellation));
+                let asker = Asker { actor: &batch.principal.actor, cancellation: Some(&batch.cancellation) };
                 let solution = self.solution_of_step(step, asker, &mut batch.solves, tick);
                 let Poll::Ready(found) = solution else { break };
                 let Some(step) = batch.steps.next() else { break };
@@ -147,7 +141,7 @@ impl Room {
         &mut self,
         client: ClientId,
         request: ClientRequest,
-        place: Option<OwnedSemaphorePermit>,
+        queue_permit: Option<OwnedSemaphorePermit>,
         tick: &mut Tick,
     ) {
         // A removed client may have sent more messages before it learned of its removal.
@@ -157,14 +151,14 @@ impl Room {
         if let Some(sender) = self.clients.get_mut(&client) {
             sender.solves = solves;
         }
-        let Poll::Ready(found) = solution else { return self.requeue_first(client, request, place) };
-        let holder = (client, &principal.actor);
+        let Poll::Ready(found) = solution else { return self.requeue_first(client, request, queue_permit) };
+        let actor = &principal.actor;
         if request.is_interactive() {
             self.views.mark_interactive(client);
         }
         match request {
-            ClientRequest::OpenView { camera, camera_revision, settings, interaction, stats, size } => {
-                self.views.open(client, (camera, camera_revision), (settings, interaction), size);
+            ClientRequest::OpenView { parameters, stats } => {
+                self.views.open(client, parameters);
                 self.views.set_stats(client, stats);
                 self.presence_changed = true;
             }
@@ -176,11 +170,15 @@ impl Room {
                 self.note_view(client, followed);
             }
             ClientRequest::SetCamera { camera, camera_revision } => {
-                let moved = self.views.set_camera(client, camera, camera_revision);
-                self.note_view(client, moved);
+                let changed = self.views.change(client, |view| {
+                    (view.camera, view.camera_revision) = (camera, camera_revision);
+                });
+                self.note_view(client, changed);
             }
             ClientRequest::SetView { settings, stats, camera_revision } => {
-                let changed = self.views.set_settings(client, settings, camera_revision);
+                let changed = self.views.change(client, |view| {
+                    (view.settings, view.camera_revision) = (settings, camera_revision);
+                });
                 if let (Ok(()), Some(stats)) = (&changed, stats) {
                     self.views.set_stats(client, stats);
                 }
@@ -194,12 +192,13 @@ impl Room {
                 tick.send(Outgoing::Answer(client, answer));
             }
             ClientRequest::BeginGesture { gesture, light, base_seq } => {
-                self.begin_gesture(&gesture, light, base_seq, holder, tick);
+                self.begin_gesture(&gesture, light, base_seq, client, actor, tick);
             }
             ClientRequest::UpdateGesture { gesture, update, command } => {
-                self.update_gesture(&gesture, update, (command, found), holder, tick);
+                let command = command.and_then(|command| with_solution(command, found));
+                self.update_gesture(&gesture, update, command, client, actor, tick);
             }
-            ClientRequest::CancelGesture(gesture) => self.cancel_gesture(&gesture, holder, tick),
+            ClientRequest::CancelGesture(gesture) => self.cancel_gesture(&gesture, client, actor, tick),
             ClientRequest::Select(light) => {
                 if let Some(client) = self.clients.get_mut(&client) {
                     client.selection = light;
@@ -209,7 +208,7 @@ impl Room {
             ClientRequest::History => drop(tick.history_requests.insert(client)),
             ClientRequest::Probe(question) => self.ask(client, question),
             ClientRequest::Ping(sent) => {
-                let server_time_us = self.backend.started.elapsed().as_micros() as u64;
+                let server_time_us = self.services.started.elapsed().as_micros() as u64;
                 self.outboxes.send(client, &ServerMessage::Pong { sent, server_time_us });
             }
             ClientRequest::Invalid(error) => self.outboxes.send_error(client, &error),

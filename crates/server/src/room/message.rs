@@ -59,9 +59,7 @@ impl RoomMessage {
         match self {
             Self::Client { client, request, .. } => request.may_edit().then_some(*client),
             Self::Leave(client) => Some(*client),
-            Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Changed { .. } | Self::Drain => {
-                None
-            }
+            _ => None,
         }
     }
 
@@ -69,20 +67,16 @@ impl RoomMessage {
     /// feature drag, since a solve takes longer than the time between updates.
     pub(super) fn supersedes(&self, before: &Self) -> bool {
         let Self::Client { request, .. } = before else { return false };
-        let ClientRequest::UpdateGesture { gesture, command: Ok(Command::DragFeature { .. }), .. } = request
-        else {
+        let ClientRequest::UpdateGesture { gesture, command: Ok(Command::DragFeature { .. }), .. } = request else {
             return false;
         };
         match self {
-            Self::Client { request, .. } => matches!(
-                request,
-                ClientRequest::UpdateGesture { gesture: later, .. } | ClientRequest::CancelGesture(later)
-                    if later == gesture
-            ),
+            Self::Client {
+                request: ClientRequest::UpdateGesture { gesture: later, .. } | ClientRequest::CancelGesture(later),
+                ..
+            } => later == gesture,
             Self::Leave(_) => true,
-            Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Changed { .. } | Self::Drain => {
-                false
-            }
+            _ => false,
         }
     }
 
@@ -132,23 +126,18 @@ pub(super) enum RoomOpening {
 /// Handle to the task of a session. The session stays open while a handle besides the directory's exists.
 #[derive(Clone, Debug)]
 pub struct RoomHandle {
-    inbox: mpsc::Sender<RoomMessage>,
-    opening: watch::Receiver<RoomOpening>,
+    pub(super) inbox: mpsc::Sender<RoomMessage>,
+    pub(super) opening: watch::Receiver<RoomOpening>,
 }
 
 impl RoomHandle {
-    pub(super) fn new(inbox: mpsc::Sender<RoomMessage>, opening: watch::Receiver<RoomOpening>) -> Self {
-        Self { inbox, opening }
-    }
-
     /// Waits until the session is open and returns the handle.
     pub(super) async fn opened(mut self) -> Result<Self, ServerError> {
         let opening = self.opening.wait_for(|opening| !matches!(opening, RoomOpening::UnderWay)).await;
-        let failed = match &*opening.map_err(|_| ServerError::Internal)? {
-            RoomOpening::Failed(error) => Some(Arc::clone(error)),
-            RoomOpening::UnderWay | RoomOpening::Open => None,
-        };
-        failed.map_or(Ok(self), |error| Err(ServerError::Opening(error)))
+        if let RoomOpening::Failed(error) = &*opening.map_err(|_| ServerError::Internal)? {
+            return Err(ServerError::Opening(Arc::clone(error)));
+        }
+        Ok(self)
     }
 
     /// Sends a message. Waits while the room's queue is full.
@@ -161,11 +150,6 @@ impl RoomHandle {
         let (reply, answer) = oneshot::channel();
         self.send(message(reply)).await?;
         answer.await.map_err(|_| ServerError::Draining)?
-    }
-
-    /// True if the task has ended.
-    pub(super) fn is_closed(&self) -> bool {
-        self.inbox.is_closed()
     }
 
     /// True if no other handle exists.

@@ -2,7 +2,7 @@
 //!
 //! The task takes a message and all others that wait, carries them out, commits the resulting records together, and
 //! only then publishes them (`commit`). A program's long request is carried out in parts, so other clients come in
-//! between. A client that drags a feature waits for the solver without delaying others (`lines`). Between messages the
+//! between. A client that drags a feature waits for the solver without delaying others (`queues`). Between messages the
 //! task keeps the views' pictures up to date (`crate::views`).
 
 mod checkpoint;
@@ -11,11 +11,11 @@ mod commit;
 mod directory;
 mod gestures;
 mod grouping;
+mod history;
 mod inbox;
-mod lines;
 mod message;
-mod past;
 mod probes;
+mod queues;
 mod solving;
 mod steps;
 mod tick;
@@ -40,15 +40,13 @@ pub use message::{JoinRequest, RoomHandle, RoomMessage, SessionSnapshot};
 pub use steps::time_ms;
 
 use crate::ServerError;
-use crate::backend::Services;
 use crate::document_text::DocumentText;
-use crate::limits::{
-    LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, SESSION_IDLE_TIMEOUT, STALLED_CHECK_EVERY,
-};
+use crate::limits::{LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, SESSION_IDLE_TIMEOUT, STALLED_CHECK_EVERY};
 use crate::outbox::Outbox;
 use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::RenderLease;
 use crate::scenes::{DecodedScene, SceneCache};
+use crate::services::Services;
 use crate::views::{LiveSession, Views};
 use clients::ConnectedClient;
 use directory::RoomStatus;
@@ -65,7 +63,7 @@ struct Room {
     /// Keeps the session's data in the renderer.
     lease: Arc<RenderLease>,
     epoch: String,
-    backend: Services,
+    services: Services,
     session: edit::Session,
     /// JSON of the document, while any request still uses it.
     text: Weak<DocumentText>,
@@ -109,58 +107,62 @@ struct OpenScene {
     framing: Camera,
 }
 
+/// Session to open, and what its task shares with others.
+struct RoomStart {
+    name: Arc<str>,
+    number: u64,
+    status: Arc<RoomStatus>,
+    services: Services,
+    rooms: Rooms,
+}
+
 /// Opens a session, reports the result in `opening`, and serves the session until its inbox is closed. `before` is the
 /// task that had the session before.
 async fn run(
+    start: RoomStart,
     mut inbox: mpsc::Receiver<RoomMessage>,
-    (name, number): (Arc<str>, u64),
-    (opening, status): (watch::Sender<RoomOpening>, Arc<RoomStatus>),
-    (backend, rooms): (Services, Rooms),
+    opening: watch::Sender<RoomOpening>,
     before: Option<JoinHandle<()>>,
 ) {
     if let Some(before) = before {
         // That task may have failed. Its committed records are in the store.
         let _ = before.await;
     }
-    match Room::open((&name, number), status, backend.clone()).await {
+    let (rooms, metrics) = (start.rooms.clone(), Arc::clone(&start.services.metrics));
+    match Room::open(start).await {
         Ok(mut room) => {
             opening.send_replace(RoomOpening::Open);
-            backend.metrics.rooms.inc();
+            metrics.rooms.inc();
             room.keep_checkpoint().await;
             room.serve(&mut inbox, &rooms).await;
-            backend.metrics.rooms.dec();
+            metrics.rooms.dec();
         }
         Err(error) => drop(opening.send_replace(RoomOpening::Failed(Arc::new(error)))),
     }
 }
 
 impl Room {
-    async fn open(
-        (name, number): (&Arc<str>, u64),
-        status: Arc<RoomStatus>,
-        backend: Services,
-    ) -> Result<Self, ServerError> {
-        let session_name = Arc::clone(name);
-        let opened = backend.storage.read(move |store| store.open_session(&session_name));
+    async fn open(start: RoomStart) -> Result<Self, ServerError> {
+        let RoomStart { name, number, status, services, .. } = start;
+        let session_name = Arc::clone(&name);
+        let opened = services.storage.read(move |store| store.open_session(&session_name));
         let OpenedSession { row, session, tail, checkpoint_bytes, checkpoint_failed } = opened.await?;
         if checkpoint_failed {
-            tracing::warn!(
-                "session {name} has a checkpoint that its log does not prove; all of the log was replayed"
-            );
+            tracing::warn!("session {name} has a checkpoint that its log does not prove; all of the log was replayed");
         }
         tracing::info!("session {name} is open at record {}, {} replayed", session.seq(), tail.records);
-        let scene = OpenScene::of(session.document(), &backend.scenes).await?;
-        let (now, lease) = (Instant::now(), backend.renders.lease());
+        let scene = OpenScene::of(session.document(), &services.scenes).await?;
+        let (now, lease) = (Instant::now(), services.renders.lease());
         Ok(Self {
-            name: Arc::clone(name),
             number,
             epoch: row.epoch,
-            outboxes: Outboxes::new(backend.in_flight.clone()),
+            outboxes: Outboxes::new(services.in_flight.clone()),
             text: Weak::new(),
             text_version: None,
-            views: Views::new(backend.clone(), Arc::clone(name), Arc::clone(&lease)),
+            views: Views::new(services.clone(), Arc::clone(&name), Arc::clone(&lease)),
+            name,
             lease,
-            backend,
+            services,
             scene,
             session,
             tail,
@@ -194,14 +196,15 @@ impl Room {
                 () = ready(()), if can_go_on => self.tick(None, inbox).await,
                 Some(ended) = self.solving.join_next_with_id() => self.finish_solve(ended),
                 Some(step) = self.views.next_step() => self.views.take_steps(step, &mut self.outboxes),
-                Some(ended) = self.probes.next() => self.take_probe(ended),
+                Some(ended) = self.probes.tasks.join_next_with_id() => self.take_probe(ended),
                 () = sleep_until(wake) => {}
             }
             if self.is_draining {
                 inbox.close();
             }
         }
-        self.catch_up_all().await;
+        // The room ends, so this is the last chance.
+        self.catch_up(Outbox::is_behind).await;
         tracing::info!("session {} is closed at record {}", self.name, self.session.seq());
     }
 
@@ -209,13 +212,13 @@ impl Room {
     async fn run_due_work(&mut self, rooms: &Rooms) -> Instant {
         let now = Instant::now();
         self.drop_lost_clients();
-        self.catch_up_clients().await;
+        // A client that fell behind gets the current state once it has received everything sent before.
+        if !self.services.in_flight.is_full() {
+            self.catch_up(Outbox::can_catch_up).await;
+        }
         self.views.configure(&mut self.outboxes);
-        let live = LiveSession {
-            session: &self.session,
-            scene: &self.scene.decoded.posed,
-            revision: self.live_revision,
-        };
+        let live =
+            LiveSession { session: &self.session, scene: &self.scene.decoded.posed, revision: self.live_revision };
         let mut wake = Instant::from(self.views.update(now.into_std(), live, &mut self.outboxes));
         if self.outboxes.any(Outbox::is_behind) {
             wake = wake.min(now + STALLED_CHECK_EVERY);
@@ -251,7 +254,7 @@ impl Room {
         let now = Some((self.session.seq(), document.hash()));
         let known = self.text.upgrade().filter(|_| self.text_version == now);
         known.unwrap_or_else(|| {
-            let new = Arc::new(DocumentText::new(document.clone(), self.backend.in_flight.clone()));
+            let new = Arc::new(DocumentText::new(document.clone(), self.services.in_flight.clone()));
             (self.text, self.text_version) = (Arc::downgrade(&new), now);
             new
         })
@@ -277,7 +280,7 @@ impl Room {
     /// Notes the time of a message.
     fn mark_used(&mut self) {
         self.last_used = Instant::now();
-        let used_ms = self.backend.started.elapsed().as_millis() as u64;
+        let used_ms = self.services.started.elapsed().as_millis() as u64;
         self.status.used_ms.store(used_ms, Ordering::Relaxed);
     }
 

@@ -13,23 +13,11 @@ use crate::request::ProbeQuestion;
 
 #[derive(Default)]
 pub(super) struct Probes {
-    tasks: JoinSet<ServerMessage>,
+    pub tasks: JoinSet<ServerMessage>,
     /// The client of each task and the client's name for the probe.
     askers: HashMap<Id, (ClientId, String)>,
     /// The latest question of each client whose earlier probe still runs.
-    waiting: BTreeMap<ClientId, ProbeQuestion>,
-}
-
-impl Probes {
-    /// Waits for the next probe to end. Returns `None` if none runs.
-    pub async fn next(&mut self) -> Option<Result<(Id, ServerMessage), JoinError>> {
-        self.tasks.join_next_with_id().await
-    }
-
-    /// Drops the waiting question of a client that left.
-    pub fn forget(&mut self, client: ClientId) {
-        self.waiting.remove(&client);
-    }
+    pub waiting: BTreeMap<ClientId, ProbeQuestion>,
 }
 
 impl Room {
@@ -42,11 +30,10 @@ impl Room {
         let name = question.probe.clone();
         let (log_seq, live_revision) = (self.session.seq(), self.live_revision);
         match self.resolve_probe(client, question) {
-            Ok(asked) => {
-                let backend = self.backend.clone();
-                let probe_name = name.clone();
+            Ok(job) => {
+                let (services, probe_name) = (self.services.clone(), name.clone());
                 let task = self.probes.tasks.spawn(async move {
-                    probe_message(probe_name, log_seq, live_revision, probe(&backend, asked).await)
+                    probe_message(probe_name, log_seq, live_revision, probe(&services, job).await)
                 });
                 self.probes.askers.insert(task.id(), (client, name));
             }
@@ -56,7 +43,7 @@ impl Room {
         }
     }
 
-    /// Sends the answer from [`Probes::next`], and starts the client's waiting question.
+    /// Sends the answer of a probe that has ended, and starts the client's waiting question.
     pub(super) fn take_probe(&mut self, ended: Result<(Id, ServerMessage), JoinError>) {
         let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let Some((client, name)) = self.probes.askers.remove(&task) else { return };
@@ -76,38 +63,23 @@ impl Room {
     /// Completes a question with the current state of the session. The default camera is that of the client's view, and
     /// lights that the view hides are left out.
     fn resolve_probe(&self, client: ClientId, question: ProbeQuestion) -> Result<ProbeJob, ServerError> {
-        let ProbeQuestion { camera, size, pixel, wants_highlights: highlights, .. } = question;
+        let ProbeQuestion { camera, size, pixel, wants_highlights, .. } = question;
         let document = self.session.live_document();
-        let view = self.views.viewed_by(client);
-        let no_view = || {
-            let sentence = "you have no view to look into: open one, or name a camera and a size";
-            ServerError::BadMessage(sentence.into())
-        };
+        let view = self.views.parameters_seen_by(client);
+        let no_view =
+            || ServerError::bad_message("you have no view to look into: open one, or name a camera and a size");
         let camera = match camera {
-            Some(wanted) => chosen_camera(wanted, &document)?,
-            None => view.map(|(camera, ..)| camera.clone()).ok_or_else(no_view)?,
+            Some(choice) => chosen_camera(choice, &document)?,
+            None => view.ok_or_else(no_view)?.camera.clone(),
         };
-        let size = size.or_else(|| view.map(|(.., size)| size)).ok_or_else(no_view)?;
+        let size = size.or_else(|| Some(view?.size)).ok_or_else(no_view)?;
         let lights = document.light_instances();
-        let muted = view.map(|(_, settings, _)| settings.hidden_lights(&lights)).unwrap_or_default();
-        Ok(ProbeJob {
-            camera,
-            size,
-            pixel,
-            wants_highlights: highlights,
-            lights,
-            muted,
-            scene: self.scene.decoded.clone(),
-        })
+        let muted = view.map(|view| view.settings.hidden_lights(&lights)).unwrap_or_default();
+        Ok(ProbeJob { camera, size, pixel, wants_highlights, lights, muted, scene: self.scene.decoded.clone() })
     }
 }
 
-fn probe_message(
-    name: String,
-    log_seq: u64,
-    live_revision: u32,
-    found: Result<Probed, ServerError>,
-) -> ServerMessage {
+fn probe_message(name: String, log_seq: u64, live_revision: u32, found: Result<Probed, ServerError>) -> ServerMessage {
     let (found, refused) = match found {
         Ok(found) => (Some(found), None),
         Err(error) => (None, Some(error.problem())),

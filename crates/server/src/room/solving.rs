@@ -6,11 +6,10 @@ use std::task::Poll;
 
 use document::{Command, Document, EditError, SolvedDrag, fill_in_from_scene, solve_drag_budgeted};
 use drag::WorkBudget;
-use edit::{EditRefusal, EditRequest, GroupedEdit};
-use light::SceneBounds;
+use edit::{EditRequest, GroupedEdit};
 use tokio::task::{AbortHandle, Id};
 
-use super::grouping::resolve_group;
+use super::grouping::{CompletedCommand, resolve_group};
 use crate::ServerError;
 use crate::charges::Payer;
 use crate::limits::MAX_SOLVE_TRIES;
@@ -53,39 +52,32 @@ pub(super) struct SolveState {
 /// The solution of a request. `None` if the request needs none.
 pub(super) type FoundSolution = Option<Result<CommandSolution, ServerError>>;
 
-/// Completes a command with its solution. Also returns the result of its drag.
-pub(super) fn with_solution(
-    command: Command,
-    found: FoundSolution,
-) -> Result<(Command, Option<SolvedDrag>), ServerError> {
+/// Completes a command with its solution.
+pub(super) fn with_solution(command: Command, found: FoundSolution) -> Result<CompletedCommand, ServerError> {
     Ok(match found.transpose()? {
-        Some(CommandSolution::Drag(solved)) => (command, Some(solved)),
-        Some(CommandSolution::Bend(command)) => (command, None),
-        Some(CommandSolution::Group(_)) | None => (command, None),
+        Some(CommandSolution::Drag(solved)) => CompletedCommand { command, solved: Some(solved) },
+        Some(CommandSolution::Bend(command)) => CompletedCommand { command, solved: None },
+        Some(CommandSolution::Group(_)) | None => CompletedCommand { command, solved: None },
     })
 }
 
 /// Builds the session's request for an action in this document, with the result of its drag. The solution of a group is
 /// the request itself.
 pub(super) fn into_edit_request(
-    asked: RecordAction,
+    action: RecordAction,
     found: FoundSolution,
     document: &Document,
 ) -> Result<(EditRequest, Option<SolvedDrag>), ServerError> {
-    Ok(match (asked, found) {
+    Ok(match (action, found) {
         (RecordAction::Edit(RequestedEdit { base_seq, command }), found) => {
-            let (command, solved) = with_solution(command.of(document)?, found)?;
+            let CompletedCommand { command, solved } = with_solution(command.of(document)?, found)?;
             (EditRequest::Edit { base_seq, command }, solved)
         }
-        (RecordAction::Group(_), Some(Ok(CommandSolution::Group(edits)))) => {
-            (EditRequest::Group(edits), None)
-        }
+        (RecordAction::Group(_), Some(Ok(CommandSolution::Group(edits)))) => (EditRequest::Group(edits), None),
         (RecordAction::Group(_), Some(Err(error))) => return Err(error),
         (RecordAction::Group(_), _) => return Err(ServerError::Internal),
         // A failed solve of a commit is reported at the end of the gesture.
-        (RecordAction::Commit(id), Some(Ok(CommandSolution::Drag(solved)))) => {
-            (EditRequest::Commit(id), Some(solved))
-        }
+        (RecordAction::Commit(id), Some(Ok(CommandSolution::Drag(solved)))) => (EditRequest::Commit(id), Some(solved)),
         (RecordAction::Commit(id), _) => (EditRequest::Commit(id), None),
         (RecordAction::Undo(scope), _) => (EditRequest::Undo(scope), None),
         (RecordAction::Redo(scope), _) => (EditRequest::Redo(scope), None),
@@ -105,7 +97,7 @@ impl SolvedCommand {
     }
 
     pub fn solution(&self) -> Result<CommandSolution, ServerError> {
-        self.result.clone().map_err(|refused| EditRefusal::from(refused).into())
+        Ok(self.result.clone()?)
     }
 }
 
@@ -128,14 +120,14 @@ impl SolveState {
         &mut self,
         edits: &[RequestedEdit],
         document: &Document,
-        reach: SceneBounds,
+        scene: &DecodedScene,
     ) -> Poll<FoundSolution> {
         if let Some(error) = self.failed.take() {
             self.attempts = 0;
             return Poll::Ready(Some(Err(error)));
         }
         let mut is_missing = false;
-        let known = resolve_group(edits, document, reach, |command, draft| {
+        let known = resolve_group(edits, document, scene, |command, draft| {
             let found = needs_scene(&command).then(|| {
                 self.cached_solution(&command, draft).unwrap_or_else(|| {
                     is_missing = true;
@@ -195,31 +187,32 @@ pub(super) enum SolveTask {
 
 /// Solves a command or group, starting from `document`, on a thread of the solver.
 pub(super) async fn solve(
-    what: SolveTask,
+    task: SolveTask,
     document: Document,
     scene: DecodedScene,
-    (solver, payer): (&Solver, Payer),
+    solver: &Solver,
+    payer: Payer,
 ) -> Result<Vec<SolvedCommand>, ServerError> {
-    let (bvh, reach) = (scene.bvh().await?, scene.posed.bounds());
+    let bvh = scene.bvh().await?;
     let solve = move |turn: &mut SolveTurn| {
         let turn = RefCell::new(turn);
-        let goes_on = |steps| turn.borrow_mut().may_continue(steps);
+        let may_continue = |steps| turn.borrow_mut().may_continue(steps);
         let solved = |command: &Command, document: &Document| {
             let result = match command {
                 Command::DragFeature { light, drag } => {
-                    let work = WorkBudget::new(&goes_on);
+                    let work = WorkBudget::new(&may_continue);
                     solve_drag_budgeted(document, *light, drag, &bvh, &work).map(CommandSolution::Drag)
                 }
                 other => Ok(CommandSolution::Bend(fill_in_from_scene(other.clone(), document, &bvh))),
             };
             SolvedCommand { command: command.clone(), document: document.clone(), result }
         };
-        match what {
+        match task {
             SolveTask::Command(command) => vec![solved(&command, &document)],
             SolveTask::Group(edits) => {
                 let mut all = Vec::new();
                 // The error is found again when the group is carried out.
-                let _ = resolve_group(&edits, &document, reach, |command, draft| {
+                let _ = resolve_group(&edits, &document, &scene, |command, draft| {
                     let found = needs_scene(&command).then(|| {
                         let solved = solved(&command, draft);
                         let answer = solved.solution();

@@ -1,10 +1,9 @@
 //! Requests for records: each is carried out once and answered.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{Change, Command, CommandContext, SceneContents, SolvedDrag};
+use document::{Change, Command, SceneContents, SolvedDrag};
 use edit::{Actor, EditRequest, EditSources, Record, Reverted};
 use protocol::{EditResult, GestureStatus, Outcome, ServerMessage};
 use store::Rejection;
@@ -16,14 +15,6 @@ use crate::ServerError;
 use crate::access::Principal;
 use crate::request::RecordRequest;
 
-/// Data from the store that a request needs, read before it is carried out.
-#[derive(Default)]
-struct RequestSources {
-    /// Lights and cameras of the scene that the request loads.
-    loaded: Option<Arc<SceneContents>>,
-    reverted: Option<Reverted>,
-}
-
 impl Room {
     /// Reads the outcomes of these operations from the store.
     pub(super) async fn outcomes(&self, keys: Vec<OperationKey>) -> EarlierOutcomes {
@@ -31,14 +22,9 @@ impl Room {
             return EarlierOutcomes::default();
         }
         let name = Arc::clone(&self.name);
-        let read = self.backend.storage.read(move |store| {
-            let mut outcomes = HashMap::new();
-            for (actor_id, op_id) in keys {
-                if let Some(outcome) = store.outcome(&name, &actor_id, &op_id)? {
-                    outcomes.insert((actor_id, op_id), outcome);
-                }
-            }
-            Ok(outcomes)
+        let read = self.services.storage.read(move |store| {
+            let outcome = |key: OperationKey| Ok(store.outcome(&name, &key.0, &key.1)?.map(|outcome| (key, outcome)));
+            keys.into_iter().filter_map(|key| outcome(key).transpose()).collect()
         });
         EarlierOutcomes(read.await)
     }
@@ -53,7 +39,7 @@ impl Room {
         tick: &mut Tick,
     ) -> RecordAnswer {
         let RecordRequest { op_id, request } = step;
-        let request = request.and_then(|asked| into_edit_request(asked, found, self.session.document()));
+        let request = request.and_then(|action| into_edit_request(action, found, self.session.document()));
         let (outcome, is_new) = self.outcome_of(&op_id, request, &principal.actor, tick).await;
         RecordAnswer { result: EditResult { op_id, outcome }, is_new }
     }
@@ -71,7 +57,7 @@ impl Room {
         }
         let key = (actor.id.clone(), op_id.to_owned());
         let carried_out = match request {
-            Ok(request) => self.apply_request(request, actor, op_id, tick).await,
+            Ok((request, solved)) => self.apply_request(request, solved, actor, op_id, tick).await,
             Err(error) => Err(error),
         };
         let outcome = match carried_out {
@@ -89,27 +75,20 @@ impl Room {
 
     async fn apply_request(
         &mut self,
-        (request, solved): (EditRequest, Option<SolvedDrag>),
+        request: EditRequest,
+        solved: Option<SolvedDrag>,
         actor: &Actor,
         op_id: &str,
         tick: &mut Tick,
     ) -> Result<Record, ServerError> {
-        let RequestSources { loaded, reverted: taken_back } = self.sources_of(&request, actor, tick).await?;
-        let held = match &request {
-            EditRequest::Commit(id) => self.gesture_of(id, actor),
-            EditRequest::Edit { .. }
-            | EditRequest::Group(_)
-            | EditRequest::Undo(_)
-            | EditRequest::Redo(_) => None,
-        };
+        let (loaded, reverted) = self.sources_of(&request, actor, tick).await?;
+        let gesture = if let EditRequest::Commit(id) = &request { self.gesture_of(id, actor) } else { None };
         tick.before.get_or_insert_with(|| Box::new((self.session.clone(), self.scene.clone())));
-        let reach = self.scene.decoded.posed.bounds();
-        let context =
-            CommandContext { scene_bounds: reach, loaded: loaded.as_deref(), solved: solved.as_ref() };
-        let sources = EditSources { context, reverted: taken_back };
+        let context = self.scene.decoded.context(loaded.as_deref(), solved.as_ref());
+        let sources = EditSources { context, reverted };
         let committed = self.session.execute_request(request, actor, op_id, time_ms(), sources);
         // A gesture ends even if its commit is refused.
-        let ended = held.filter(|held| self.gesture_of(&held.id, actor).is_none());
+        let ended = gesture.filter(|gesture| self.gesture_of(&gesture.id, actor).is_none());
         let committed = committed.map_err(ServerError::from);
         if let Ok(record) = &committed {
             self.add_to_tick(record, tick).await;
@@ -118,9 +97,7 @@ impl Room {
             let status = match &committed {
                 Ok(_) => GestureStatus::Committed,
                 // The gesture showed nothing, so there is nothing to refuse.
-                Err(error) if gesture.command.is_none() => {
-                    GestureStatus::Cancelled { refused: Some(error.problem()) }
-                }
+                Err(error) if gesture.command.is_none() => GestureStatus::Cancelled { refused: Some(error.problem()) },
                 Err(error) => GestureStatus::Rejected(error.problem()),
             };
             self.end_gesture(gesture, status, tick);
@@ -134,7 +111,7 @@ impl Room {
         let hash = document.hash().to_string();
         let (mut bounds, mut notes) = (None, None);
         if record.changes.iter().any(|change| matches!(change, Change::Scene { .. })) {
-            match OpenScene::of(document, &self.backend.scenes).await {
+            match OpenScene::of(document, &self.services.scenes).await {
                 Ok(scene) => self.scene = scene,
                 Err(error) => tracing::error!("the bounds and notes of a scene are not known: {error}"),
             }
@@ -153,21 +130,21 @@ impl Room {
         request: &EditRequest,
         actor: &Actor,
         tick: &Tick,
-    ) -> Result<RequestSources, ServerError> {
-        let mut found = RequestSources::default();
+    ) -> Result<(Option<Arc<SceneContents>>, Option<Reverted>), ServerError> {
+        let (mut loaded, mut reverted) = (None, None);
         if matches!(request, EditRequest::Undo(_) | EditRequest::Redo(_)) {
-            found.reverted = self.find_reverted(request, &actor.id, &tick.records).await?;
-            for change in found.reverted.iter().flat_map(|taken| &taken.changes) {
+            reverted = self.find_reverted(request, &actor.id, &tick.records).await?;
+            for change in reverted.iter().flat_map(|reverted: &Reverted| &reverted.changes) {
                 if let Change::Scene { new: Some(scene), .. } = change {
                     // An undo is refused here if the scene cannot be loaded.
-                    self.backend.scenes.load(scene.asset).await?;
+                    self.services.scenes.load(scene.asset).await?;
                 }
             }
         }
         if let EditRequest::Edit { command: Command::LoadScene { asset, .. }, .. } = request {
-            found.loaded = Some(self.backend.scenes.load(*asset).await?.contents);
+            loaded = Some(self.services.scenes.load(*asset).await?.contents);
         }
-        Ok(found)
+        Ok((loaded, reverted))
     }
 }
 

@@ -94,9 +94,7 @@ impl Tick {
         match &self.earlier_outcomes.0 {
             Ok(outcomes) => Some((outcomes.get(&key)?.clone(), false)),
             // The operation may have been carried out before.
-            Err(error) => {
-                Some((refused(&ServerError::Store(StoreError::UnknownOutcome(error.to_string()))), false))
-            }
+            Err(error) => Some((refused(&ServerError::Store(StoreError::UnknownOutcome(error.to_string()))), false)),
         }
     }
 
@@ -107,22 +105,10 @@ impl Tick {
 }
 
 impl RequestBatch {
-    pub fn new(
-        principal: Principal,
-        steps: Vec<RecordRequest>,
-        (reply, cancellation): (Reply<EditResults>, CancellationToken),
-    ) -> Self {
-        let (done, answers) = (Vec::with_capacity(steps.len()), Vec::new());
-        let solves = SolveState::default();
-        Self { principal, steps: steps.into_iter(), done, answers, solves, reply, cancellation }
-    }
-
     /// Drops the remaining steps of a request if the next one needs a solve and the program no longer waits for the
     /// answer.
     pub fn drop_unawaited_solves(&mut self) {
-        if self.cancellation.is_cancelled()
-            && self.steps.as_slice().first().is_some_and(RecordRequest::needs_scene)
-        {
+        if self.cancellation.is_cancelled() && self.steps.as_slice().first().is_some_and(RecordRequest::needs_scene) {
             self.steps = Vec::new().into_iter();
         }
     }
@@ -155,9 +141,5 @@ impl RecordAnswer {
 
 /// Returns the outcome of a request for a record that was refused.
 pub(super) fn refused(error: &ServerError) -> Outcome {
-    if error.has_unknown_outcome() {
-        Outcome::Unknown(error.problem())
-    } else {
-        Outcome::Rejected(error.problem())
-    }
+    if error.has_unknown_outcome() { Outcome::Unknown(error.problem()) } else { Outcome::Rejected(error.problem()) }
 }

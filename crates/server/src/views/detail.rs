@@ -139,11 +139,6 @@ impl DetailChoice {
         }
     }
 
-    /// Returns the details that may be reduced.
-    pub fn interaction(&self) -> Interaction {
-        self.interaction
-    }
-
     /// Returns the detail of the next moving picture.
     pub fn detail(&self) -> Detail {
         self.detail
@@ -182,8 +177,7 @@ impl DetailChoice {
     fn next_detail(&self, seconds: f64) -> Option<Detail> {
         let draws_maps = 2 * self.latest.iter().filter(|(_, drew_map)| *drew_map).count() > self.latest.len();
         let can_be = |detail: &Detail| {
-            detail.is_allowed_by(self.interaction)
-                && (draws_maps || detail.shadow_map == self.detail.shadow_map)
+            detail.is_allowed_by(self.interaction) && (draws_maps || detail.shadow_map == self.detail.shadow_map)
         };
         let (target, current) = (TARGET_TIME.as_secs_f64(), self.detail.index());
         let expected = |detail: Detail| seconds * self.ratios[detail.index()] / self.ratios[current];

@@ -13,18 +13,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use protocol::{Interaction, ServerMessage, ViewSource};
-use scene::{Camera, PosedScene};
+use protocol::{ServerMessage, ViewSource};
+use scene::PosedScene;
 use stream::{FramePacer, ViewContent};
 use tokio::task::JoinSet;
 use tokio::time::Instant;
 
 use crate::ServerError;
-use crate::backend::Services;
 use crate::charges::Payer;
-use crate::limits::{INTERACTIVE_FOR, STALE_TIME_PER_CLIENT};
+use crate::limits::STALE_TIME_PER_CLIENT;
+use crate::outbox::Outbox;
 use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::RenderLease;
+use crate::request::ViewParameters;
+use crate::services::Services;
 use frame::{EncodedFrame, FrameId, ViewStepResult};
 pub use moving_pixels::MovingPixels;
 pub use settings::ViewSettings;
@@ -42,7 +44,7 @@ pub struct Views {
     name: Arc<str>,
     /// Keeps the session's data in the renderer.
     session: Arc<RenderLease>,
-    backend: Services,
+    services: Services,
 }
 
 /// Current state of the session, which the views show.
@@ -94,37 +96,29 @@ struct OutgoingFrame {
     sent_at: std::time::Instant,
 }
 
-impl Viewer {
-    fn new(payer: Payer, source: ViewTarget, pace: FramePacer) -> Self {
-        let (configured, shown_frame, sending, last_interaction) = (None, None, None, None);
-        let (frame, last_key_frame, wants_stats, latest_picture) = (0, 0, false, 0);
-        Self {
-            payer,
-            source,
-            configured,
-            pace,
-            frame,
-            last_key_frame,
-            wants_stats,
-            latest_picture,
-            shown_frame,
-            sending,
-            last_interaction,
-        }
-    }
-}
-
 impl Views {
     /// Makes the views of session `name`, without clients. `session` keeps the session's data in the renderer.
-    pub fn new(backend: Services, name: Arc<str>, session: Arc<RenderLease>) -> Self {
+    pub fn new(services: Services, name: Arc<str>, session: Arc<RenderLease>) -> Self {
         let (viewers, pictures) = (BTreeMap::new(), JoinSet::new());
-        Self { viewers, content_revision: 0, pictures, picture_count: 0, name, session, backend }
+        Self { viewers, content_revision: 0, pictures, picture_count: 0, name, session, services }
     }
 
     /// Adds a client of that actor. It has no view yet.
     pub fn insert(&mut self, id: ClientId, actor_id: &str) {
-        let (source, pace) = (ViewTarget::Nothing, FramePacer::new());
-        self.viewers.insert(id, Viewer::new(Payer::new(&self.name, actor_id), source, pace));
+        let viewer = Viewer {
+            payer: Payer::new(&self.name, actor_id),
+            source: ViewTarget::Nothing,
+            configured: None,
+            pace: FramePacer::default(),
+            frame: 0,
+            last_key_frame: 0,
+            wants_stats: false,
+            latest_picture: 0,
+            shown_frame: None,
+            sending: None,
+            last_interaction: None,
+        };
+        self.viewers.insert(id, viewer);
     }
 
     /// Removes a client. Each follower gets its own copy of the view.
@@ -137,11 +131,8 @@ impl Views {
             }
             viewer.source = match &source {
                 ViewTarget::Own(view) => {
-                    let (camera, lease) = (view.camera.clone(), self.backend.renders.lease());
-                    let from = (camera, view.camera_revision);
-                    let how = (view.settings.clone(), view.detail_choice.interaction());
-                    let view = ClientView::new(from, how, view.size, content, lease);
-                    ViewTarget::Own(Box::new(view))
+                    let lease = self.services.renders.lease();
+                    ViewTarget::Own(Box::new(ClientView::new(view.parameters.clone(), content, lease)))
                 }
                 ViewTarget::Follow(leader) => ViewTarget::Follow(*leader),
                 ViewTarget::Nothing => ViewTarget::Nothing,
@@ -150,28 +141,20 @@ impl Views {
         }
     }
 
-    /// Opens a view for a client, which replaces the client's earlier view. `camera` comes with the client's revision
-    /// number of it. `how` has the view's settings and the details that may be reduced while something moves. `size` is
-    /// the width and height in pixels.
-    pub fn open(
-        &mut self,
-        id: ClientId,
-        camera: (Camera, u32),
-        how: (ViewSettings, Interaction),
-        size: [u32; 2],
-    ) {
-        let (content, lease) = (self.new_content(), self.backend.renders.lease());
-        let Some(viewer) = self.viewers.get_mut(&id) else { return };
-        let view = ClientView::new(camera, how, size, content, lease);
-        viewer.source = ViewTarget::Own(Box::new(view));
-        viewer.configured = None;
+    /// Opens a view for a client, which replaces the client's earlier view.
+    pub fn open(&mut self, id: ClientId, parameters: ViewParameters) {
+        let (content, lease) = (self.new_content(), self.services.renders.lease());
+        if let Some(viewer) = self.viewers.get_mut(&id) {
+            viewer.source = ViewTarget::Own(Box::new(ClientView::new(parameters, content, lease)));
+            viewer.configured = None;
+        }
     }
 
     /// Shows a client the view of another. Gives an error if the clients would follow each other in a circle.
     pub fn follow(&mut self, id: ClientId, leader: ClientId) -> Result<(), ServerError> {
         if self.follows_to(leader, id) {
             let sentence = "that view is your own, or follows it: open one with a camera of its own";
-            return Err(ServerError::BadMessage(sentence.into()));
+            return Err(ServerError::bad_message(sentence));
         }
         if self.owner_of(leader).is_none() {
             let remedy = "follow one that presence lists with a camera";
@@ -184,30 +167,11 @@ impl Views {
         Ok(())
     }
 
-    /// Moves the camera of a client's own view.
-    pub fn set_camera(
-        &mut self,
-        id: ClientId,
-        camera: Camera,
-        camera_revision: u32,
-    ) -> Result<(), ServerError> {
+    /// Changes the camera or the settings of a client's own view.
+    pub fn change(&mut self, id: ClientId, change: impl FnOnce(&mut ViewParameters)) -> Result<(), ServerError> {
         let content = self.new_content();
         let view = self.own_view(id).ok_or_else(no_view)?;
-        (view.camera, view.camera_revision) = (camera, camera_revision);
-        view.set_content(content, Duration::ZERO);
-        Ok(())
-    }
-
-    /// Replaces the settings of a client's own view.
-    pub fn set_settings(
-        &mut self,
-        id: ClientId,
-        settings: ViewSettings,
-        camera_revision: u32,
-    ) -> Result<(), ServerError> {
-        let content = self.new_content();
-        let view = self.own_view(id).ok_or_else(no_view)?;
-        (view.settings, view.camera_revision) = (settings, camera_revision);
+        change(&mut view.parameters);
         view.set_content(content, Duration::ZERO);
         Ok(())
     }
@@ -223,8 +187,8 @@ impl Views {
     /// changes for it.
     pub fn resize(&mut self, id: ClientId, size: [u32; 2]) {
         let content = self.new_content();
-        if let Some(view) = self.own_view(id).filter(|view| view.size != size) {
-            (view.size, view.was_warned_smaller) = (size, false);
+        if let Some(view) = self.own_view(id).filter(|view| view.parameters.size != size) {
+            (view.parameters.size, view.was_warned_smaller) = (size, false);
             view.set_content(content, Duration::ZERO);
         }
     }
@@ -240,13 +204,11 @@ impl Views {
     pub fn invalidate_all(&mut self) {
         let content = self.new_content();
         let watched_for = STALE_TIME_PER_CLIENT * self.viewers.len() as u32;
-        let acts =
-            |viewer: &Viewer| viewer.last_interaction.is_some_and(|then| then.elapsed() < INTERACTIVE_FOR);
-        let hands = self.viewers.iter().filter(|(_, viewer)| acts(viewer));
-        let of_hands: BTreeSet<ClientId> = hands.filter_map(|(id, _)| self.owner_of(*id)).collect();
+        let interactive = self.viewers.iter().filter(|(_, viewer)| viewer.is_interactive());
+        let interactive: BTreeSet<ClientId> = interactive.filter_map(|(id, _)| self.owner_of(*id)).collect();
         for (id, viewer) in &mut self.viewers {
-            let keeps_for = if of_hands.contains(id) { Duration::ZERO } else { watched_for };
-            if let Some(view) = viewer.source.own() {
+            let keeps_for = if interactive.contains(id) { Duration::ZERO } else { watched_for };
+            if let Some(view) = viewer.source.own_mut() {
                 view.set_content(content, keeps_for);
             }
         }
@@ -254,26 +216,22 @@ impl Views {
 
     /// Returns the client that this client follows, if any.
     pub fn leader_of(&self, id: ClientId) -> Option<ClientId> {
-        match self.viewers.get(&id)?.source {
-            ViewTarget::Follow(leader) => Some(leader),
-            ViewTarget::Nothing | ViewTarget::Own(_) => None,
-        }
+        if let ViewTarget::Follow(leader) = self.viewers.get(&id)?.source { Some(leader) } else { None }
     }
 
-    /// Returns camera and settings of a client's own view, if it has one.
-    pub fn view_of(&self, id: ClientId) -> Option<(&Camera, &ViewSettings)> {
-        match &self.viewers.get(&id)?.source {
-            ViewTarget::Own(view) => Some((&view.camera, &view.settings)),
-            ViewTarget::Nothing | ViewTarget::Follow(_) => None,
-        }
+    /// Returns camera, settings and size of a client's own view, if it has one.
+    pub fn parameters_of(&self, id: ClientId) -> Option<&ViewParameters> {
+        self.view_of(id).map(|view| &view.parameters)
     }
 
     /// Returns camera, settings and size of the view that a client sees, its own or another client's.
-    pub fn viewed_by(&self, id: ClientId) -> Option<(&Camera, &ViewSettings, [u32; 2])> {
-        match &self.viewers.get(&self.owner_of(id)?)?.source {
-            ViewTarget::Own(view) => Some((&view.camera, &view.settings, view.size)),
-            ViewTarget::Nothing | ViewTarget::Follow(_) => None,
-        }
+    pub fn parameters_seen_by(&self, id: ClientId) -> Option<&ViewParameters> {
+        self.parameters_of(self.owner_of(id)?)
+    }
+
+    /// Returns a client's own view, if it has one.
+    fn view_of(&self, id: ClientId) -> Option<&ClientView> {
+        self.viewers.get(&id)?.source.own()
     }
 
     /// Tells each client the size and source of its view if they have changed.
@@ -281,19 +239,19 @@ impl Views {
         let ids: Vec<ClientId> = self.viewers.keys().copied().collect();
         for id in ids {
             let owner = self.owner_of(id);
-            let configured = owner.and_then(|owner| Some((owner, self.own_view(owner)?.size)));
+            let configured = owner.and_then(|owner| Some((owner, self.view_of(owner)?.parameters.size)));
             let Some(viewer) = self.viewers.get_mut(&id) else { continue };
-            if viewer.configured == configured || outboxes.is_behind(id) {
+            if viewer.configured == configured || outboxes.is(id, Outbox::is_behind) {
                 continue;
             }
             if viewer.configured.map(|(owner, _)| owner) != owner {
-                (viewer.pace, viewer.shown_frame, viewer.sending) = (FramePacer::new(), None, None);
+                (viewer.pace, viewer.shown_frame, viewer.sending) = (FramePacer::default(), None, None);
                 viewer.latest_picture = self.picture_count;
             }
             viewer.configured = configured;
             let source = match &viewer.source {
                 ViewTarget::Nothing => continue,
-                ViewTarget::Own(view) => ViewSource::Own((&view.camera).into()),
+                ViewTarget::Own(view) => ViewSource::Own((&view.parameters.camera).into()),
                 ViewTarget::Follow(leader) => ViewSource::Follow(*leader),
             };
             if let Some((_, [width, height])) = configured {
@@ -322,7 +280,7 @@ impl Views {
     }
 
     fn own_view(&mut self, id: ClientId) -> Option<&mut ClientView> {
-        self.viewers.get_mut(&id)?.source.own()
+        self.viewers.get_mut(&id)?.source.own_mut()
     }
 
     fn new_content(&mut self) -> ViewContent {
@@ -332,7 +290,7 @@ impl Views {
 }
 
 fn no_view() -> ServerError {
-    ServerError::BadMessage("you have no view of your own: open one, then change it".into())
+    ServerError::bad_message("you have no view of your own: open one, then change it")
 }
 
 /// Returns the current time. Tests can stop this clock.

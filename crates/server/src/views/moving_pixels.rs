@@ -42,27 +42,24 @@ impl PictureScale {
 }
 
 impl MovingPixels {
-    /// Notes the start of a picture of an actor's view of `size` pixels, and returns its scale. `by_hand` is true if
-    /// the viewer moves the view, and false if it only watches.
+    /// Notes the start of a picture of an actor's view of `size` pixels, and returns its scale. `is_interactive` is
+    /// true if the viewer moves the view, and false if it only watches.
     pub fn record_picture(
         &self,
         actor_id: &Arc<str>,
-        (view, by_hand): (ViewSlot, bool),
+        view: ViewSlot,
+        is_interactive: bool,
         size: [u32; 2],
         now: Instant,
     ) -> PictureScale {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let counts = |moving: &MovingView| now.saturating_duration_since(moving.at) < MOVING_VIEW_LIFETIME;
         let mut actors = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let views = actors.entry(Arc::clone(actor_id)).or_default();
-        views.retain(|moving| {
-            moving.view != view && now.saturating_duration_since(moving.at) < MOVING_VIEW_LIFETIME
-        });
-        views.push(MovingView { view, pixels, is_interactive: by_hand, at: now });
+        views.retain(|moving| moving.view != view && counts(moving));
+        views.push(MovingView { view, pixels, is_interactive, at: now });
         let all: u64 = views.iter().map(|moving| moving.pixels).sum();
-        let rests = |of: &mut Vec<MovingView>| {
-            of.iter().all(|moving| now.saturating_duration_since(moving.at) >= MOVING_VIEW_LIFETIME)
-        };
-        actors.retain(|_, views| !rests(views));
+        actors.retain(|_, views| views.iter().any(counts));
         if all <= MAX_MOVING_PIXELS {
             return PictureScale::FULL;
         }
@@ -94,33 +91,27 @@ mod tests {
     fn all_views_of_an_actor_together_move_so_many_pixels_at_most() {
         let (account, ada, start) = (MovingPixels::default(), "ada".into(), Instant::now());
         let large = [3840, 2160];
-        assert_eq!(account.record_picture(&ada, (ViewSlot(1), true), large, start), PictureScale::FULL);
+        assert_eq!(account.record_picture(&ada, ViewSlot(1), true, large, start), PictureScale::FULL);
         for _ in 0..2 {
             for view in 1..=8 {
-                account.record_picture(&ada, (ViewSlot(view), true), large, start);
+                account.record_picture(&ada, ViewSlot(view), true, large, start);
             }
         }
-        let sizes = (1..=8)
-            .map(|view| account.record_picture(&ada, (ViewSlot(view), true), large, start).size(large));
+        let sizes = (1..=8).map(|view| account.record_picture(&ada, ViewSlot(view), true, large, start).size(large));
         let all: u64 = sizes.map(|[width, height]| u64::from(width) * u64::from(height)).sum();
         assert!((MAX_MOVING_PIXELS / 2..=MAX_MOVING_PIXELS).contains(&all), "{all}");
-        assert!(
-            !account.is_another_interacting(Some(&ada), start) && account.is_another_interacting(None, start)
-        );
+        assert!(!account.is_another_interacting(Some(&ada), start) && account.is_another_interacting(None, start));
         assert!(!account.is_another_interacting(None, start + MOVING_FOR));
         // Deliberate fault that the check must detect: a watching client counts as interacting.
         let watched = MovingPixels::default();
-        watched.record_picture(&"ben".into(), (ViewSlot(1), false), large, start);
+        watched.record_picture(&"ben".into(), ViewSlot(1), false, large, start);
         assert!(!watched.is_another_interacting(Some(&ada), start));
         // The pixels of each actor are counted separately, and views at rest do not count. Deliberate fault that the
         // check must detect: one count for all actors.
-        assert_eq!(
-            account.record_picture(&"ben".into(), (ViewSlot(9), true), large, start),
-            PictureScale::FULL
-        );
-        assert_ne!(account.record_picture(&ada, (ViewSlot(9), true), large, start), PictureScale::FULL);
+        assert_eq!(account.record_picture(&"ben".into(), ViewSlot(9), true, large, start), PictureScale::FULL);
+        assert_ne!(account.record_picture(&ada, ViewSlot(9), true, large, start), PictureScale::FULL);
         let later = start + MOVING_VIEW_LIFETIME;
-        assert_eq!(account.record_picture(&ada, (ViewSlot(1), true), large, later), PictureScale::FULL);
-        assert_eq!(account.0.lock().unwrap().len(), 1, "who rests is forgotten");
+        assert_eq!(account.record_picture(&ada, ViewSlot(1), true, large, later), PictureScale::FULL);
+        assert_eq!(account.0.lock().unwrap().len(), 1, "an actor at rest is removed");
     }
 }

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use axum::body::Bytes;
 use protocol::ServerMessage;
 use render::{RenderError, View as RenderView};
 use stream::{FrameQuality, NextFrame, ViewContent};
@@ -15,11 +14,11 @@ use super::frame::{
     EncodedFrame, FrameId, FrameStamp, ViewStep, ViewStepResult, codec, draw_picture, encode_picture, samples,
 };
 use super::moving_pixels::PictureScale;
-use super::view::{PendingPicture, ViewTarget};
+use super::view::{ClientView, PendingPicture};
 use super::{LiveSession, OutgoingFrame, Viewer, Views, now};
 use crate::ServerError;
 use crate::limits::{INTERACTIVE_FOR, SESSION_IDLE_TIMEOUT, STALLED_CHECK_EVERY, TILES_CHECK_EVERY};
-use crate::outbox::{SocketMessage, text};
+use crate::outbox::{Outbox, SocketMessage, text};
 use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::{PictureFormat, PictureRequest, PictureTicket, Urgency};
 
@@ -57,22 +56,22 @@ impl Views {
         for (owner, watchers) in watchers {
             let Some(view) = self.own_view(owner) else { continue };
             let content = view.content;
-            if let Some(frame) = view.latest.clone().filter(|latest| latest.stamp.content == content) {
+            if let Some(frame) = view.latest.clone().filter(|latest| latest.drawn.stamp.content == content) {
                 self.deliver(&watchers, &frame, content, outboxes);
             }
-            let mut wanted = None;
+            let mut needed = None;
             for &id in &watchers {
                 match self.next_frame_for(id, content, now, outboxes) {
                     NextFrame::WaitUntil(time) => wake = wake.min(time),
                     NextFrame::Moving if self.has_room_for_more(id, owner) => {
-                        wanted = Some(FrameQuality::Moving);
+                        needed = Some(FrameQuality::Moving);
                     }
                     NextFrame::Moving | NextFrame::Nothing => {}
-                    NextFrame::Settle => wanted = wanted.or(Some(FrameQuality::Settled)),
+                    NextFrame::Settle => needed = needed.or(Some(FrameQuality::Settled)),
                 }
             }
-            if let Some(quality) = wanted {
-                self.start_picture((owner, &watchers), quality, live, outboxes);
+            if let Some(quality) = needed {
+                self.start_picture(owner, &watchers, quality, live, outboxes);
             }
         }
         // Pictures that were only just started have remaining tiles too.
@@ -101,8 +100,7 @@ impl Views {
     fn take_step(&mut self, step: Result<(Id, ViewStepResult), JoinError>, outboxes: &mut Outboxes) {
         let task = step.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let is_it = |job: &mut PendingPicture| job.task.id() == task;
-        let mut own_views =
-            self.viewers.iter_mut().filter_map(|(id, viewer)| Some((*id, viewer.source.own()?)));
+        let mut own_views = self.viewers.iter_mut().filter_map(|(id, viewer)| Some((*id, viewer.source.own_mut()?)));
         // A cancelled picture belongs to no view.
         let Some((owner, view, job)) = own_views.find_map(|(id, view)| {
             let job = view.drawing.take_if(is_it).or_else(|| view.encoding.take_if(is_it))?;
@@ -116,7 +114,7 @@ impl Views {
             Ok((_, Ok(ViewStep::Encoded(mut frame)))) => {
                 self.picture_count += 1;
                 frame.number = self.picture_count;
-                if frame.stamp.quality == FrameQuality::Moving {
+                if frame.drawn.stamp.quality == FrameQuality::Moving {
                     view.detail_choice.record_picture(frame.timed_picture(), now());
                 }
                 let frame = Arc::new(frame);
@@ -142,16 +140,16 @@ impl Views {
     fn start_encoding(&mut self, owner: ClientId, outboxes: &Outboxes) {
         let Some(view) = self.own_view(owner).filter(|view| view.encoding.is_none()) else { return };
         let Some(drawing) = view.drawn.take() else { return };
-        let is_as_large = |latest: &Arc<EncodedFrame>| latest.stamp.size() == drawing.stamp.size();
+        let is_as_large = |latest: &Arc<EncodedFrame>| latest.drawn.stamp.size() == drawing.stamp.size();
         let (content, base) = (view.content, view.latest.clone().filter(is_as_large));
         let now = now();
-        let mut want = self.watchers_of(owner);
-        want.retain(|id| self.next_frame_for(*id, content, now, outboxes) == NextFrame::Moving);
+        let mut receivers = self.watchers_of(owner);
+        receivers.retain(|id| self.next_frame_for(*id, content, now, outboxes) == NextFrame::Moving);
         let base =
-            base.filter(|base| want.iter().all(|id| self.has_base_of(*id, Some(base.stamp.frame_id()))));
+            base.filter(|base| receivers.iter().all(|id| self.has_base_of(*id, Some(base.drawn.stamp.frame_id()))));
         let (quality, revision) = (drawing.stamp.quality, drawing.stamp.content.revision);
         let Some(payer) = self.viewers.get(&owner).map(|viewer| viewer.payer.clone()) else { return };
-        let task = self.pictures.spawn(encode_picture(self.backend.clone(), drawing, base, payer));
+        let task = self.pictures.spawn(encode_picture(self.services.clone(), drawing, base, payer));
         if let Some(view) = self.own_view(owner) {
             view.encoding = Some(PendingPicture { quality, revision, ticket: None, asked_at: now, task });
         }
@@ -159,17 +157,13 @@ impl Views {
 
     /// True if a client can take another picture of the view of `owner`, after those that are drawn and not sent yet.
     fn has_room_for_more(&self, id: ClientId, owner: ClientId) -> bool {
-        let source = self.viewers.get(&owner).map(|viewer| &viewer.source);
-        let pending = if let Some(ViewTarget::Own(view)) = source { view.encoding_count() } else { 0 };
+        let pending = self.view_of(owner).map_or(0, ClientView::encoding_count);
         self.viewers.get(&id).is_some_and(|viewer| viewer.pace.free_slots() > pending)
     }
 
     /// True if a viewer of a view edits or moves it.
     fn has_interactive_viewer(&self, watchers: &[ClientId]) -> bool {
-        let acts = |id: &ClientId| {
-            self.viewers.get(id)?.last_interaction.map(|then| then.elapsed() < INTERACTIVE_FOR)
-        };
-        watchers.iter().any(|id| acts(id).unwrap_or(false))
+        watchers.iter().any(|id| self.viewers.get(id).is_some_and(Viewer::is_interactive))
     }
 
     /// Sends a frame to all clients of its view that need it and have its base.
@@ -184,12 +178,12 @@ impl Views {
         for &id in watchers {
             let wants = match self.next_frame_for(id, content, now, outboxes) {
                 NextFrame::Moving => self.has_base_of(id, frame.base),
-                NextFrame::Settle => frame.stamp.quality == FrameQuality::Settled,
+                NextFrame::Settle => frame.drawn.stamp.quality == FrameQuality::Settled,
                 NextFrame::Nothing | NextFrame::WaitUntil(_) => false,
             };
             if wants && let Some(viewer) = self.viewers.get_mut(&id) {
                 viewer.start_sending(Arc::clone(frame), now);
-                self.backend.metrics.frames_sent.get_or_create(&codec(frame.stamp.quality).into()).inc();
+                self.services.metrics.count_sent_frame(codec(frame.drawn.stamp.quality));
                 self.send_tiles(id, outboxes);
             }
         }
@@ -198,33 +192,34 @@ impl Views {
     /// Sends a client as many tiles of its current picture as it can take. Returns the time of the next call if tiles
     /// are left.
     fn send_tiles(&mut self, id: ClientId, outboxes: &mut Outboxes) -> Option<Instant> {
-        let content = self.owner_of(id).and_then(|owner| Some(self.own_view(owner)?.content));
+        let content = self.owner_of(id).and_then(|owner| Some(self.view_of(owner)?.content));
         let (viewer, now) = (self.viewers.get_mut(&id)?, now());
         // The rest of an outdated lossless picture is useless, even if no newer one exists.
         viewer.sending.take_if(|sending| {
-            let FrameStamp { quality, content: of, .. } = sending.picture.stamp;
+            let FrameStamp { quality, content: of, .. } = sending.picture.drawn.stamp;
             quality == FrameQuality::Settled && Some(of) != content
         });
         let sending = viewer.sending.as_mut()?;
         let count = sending.picture.message_count();
         // A moving picture is sent as a whole. The next tile of a lossless one is sent once the last was taken, so an
         // edit drops the remaining tiles.
-        let to = match sending.picture.stamp.quality {
+        let to = match sending.picture.drawn.stamp.quality {
             FrameQuality::Moving => count,
-            FrameQuality::Settled if outboxes.has_empty_frame_queue(id) => sending.sent + 1,
+            FrameQuality::Settled if outboxes.is(id, Outbox::has_empty_frame_queue) => sending.sent + 1,
             // A client that takes no tile for that long has stalled.
             FrameQuality::Settled if now.saturating_duration_since(sending.sent_at) < STALLED_CHECK_EVERY => {
                 return Some(now + TILES_CHECK_EVERY);
             }
             FrameQuality::Settled => return Some(now + STALLED_CHECK_EVERY),
         };
-        let tiles = sending.sent..to.min(count);
-        let tiles: Vec<Bytes> =
-            tiles.map(|tile| sending.picture.message(tile, sending.frame, sending.is_key_frame)).collect();
-        let bytes: usize = tiles.iter().map(Bytes::len).sum();
-        let mut messages: Vec<SocketMessage> = tiles.into_iter().map(SocketMessage::Binary).collect();
-        self.backend.metrics.frame_bytes_sent.inc_by(bytes as u64);
-        sending.bytes += bytes;
+        let bytes_before = sending.bytes;
+        let message = |tile| {
+            let bytes = sending.picture.message(tile, sending.frame, sending.is_key_frame);
+            sending.bytes += bytes.len();
+            SocketMessage::Binary(bytes)
+        };
+        let mut messages: Vec<SocketMessage> = (sending.sent..to.min(count)).map(message).collect();
+        self.services.metrics.frame_bytes_sent.inc_by((sending.bytes - bytes_before) as u64);
         if viewer.wants_stats && to == count {
             // Statistics are sent with the last tile. They are dropped with it if there is no room, and delay no
             // picture.
@@ -233,33 +228,23 @@ impl Views {
         }
         outboxes.send_frame(id, messages);
         (sending.sent, sending.sent_at) = (to, now);
-        let is_left = to < count;
-        if !is_left {
-            viewer.shown_frame = viewer.sending.take().map(|sending| sending.picture.stamp.frame_id());
+        if to < count {
+            return Some(now + TILES_CHECK_EVERY);
         }
-        is_left.then_some(now + TILES_CHECK_EVERY)
+        viewer.shown_frame = viewer.sending.take().map(|sending| sending.picture.drawn.stamp.frame_id());
+        None
     }
 
     /// True if the client has the picture `base` to draw tiles onto, or if the frame needs no base.
     fn has_base_of(&self, id: ClientId, base: Option<FrameId>) -> bool {
-        let has = |base| {
-            self.viewers
-                .get(&id)
-                .is_some_and(|viewer| viewer.shown_frame == Some(base) && !viewer.pace.needs_key_frame())
-        };
-        base.is_none_or(has)
+        let has = |viewer: &Viewer| viewer.shown_frame == base && !viewer.pace.needs_key_frame();
+        base.is_none() || self.viewers.get(&id).is_some_and(has)
     }
 
     /// Returns the frame that a client of the view needs next, if it needs one.
-    fn next_frame_for(
-        &self,
-        id: ClientId,
-        content: ViewContent,
-        now: Instant,
-        outboxes: &Outboxes,
-    ) -> NextFrame {
+    fn next_frame_for(&self, id: ClientId, content: ViewContent, now: Instant, outboxes: &Outboxes) -> NextFrame {
         let Some(viewer) = self.viewers.get(&id) else { return NextFrame::Nothing };
-        if !outboxes.can_take_frame(id) {
+        if !outboxes.is(id, Outbox::can_take_frame) {
             // The socket has stalled. Once it continues, the client gets the content of that time.
             return NextFrame::WaitUntil(now + STALLED_CHECK_EVERY);
         }
@@ -269,7 +254,8 @@ impl Views {
     /// Starts a picture of a view, unless one is in progress or cannot be made.
     fn start_picture(
         &mut self,
-        (owner, watchers): (ClientId, &[ClientId]),
+        owner: ClientId,
+        watchers: &[ClientId],
         quality: FrameQuality,
         live: LiveSession,
         outboxes: &mut Outboxes,
@@ -283,35 +269,28 @@ impl Views {
         };
         let Some(viewer) = self.viewers.get_mut(&owner) else { return };
         let payer = viewer.payer.clone();
-        let Some(view) = viewer.source.own() else { return };
+        let Some(view) = viewer.source.own_mut() else { return };
         if view.is_pending_or_failed(quality) {
             return;
         }
-        let place = PictureTicket::since(view.waits_since.take().unwrap_or_else(Instant::now));
-        let lights = view.settings.visible_lights(live.session.live_document().light_instances());
-        let (view_size, camera_revision, content) = (view.size, view.camera_revision, view.content);
+        let ticket = PictureTicket::since(view.waits_since.take().unwrap_or_else(Instant::now));
+        let lights = view.parameters.settings.visible_lights(live.session.live_document().light_instances());
+        let (view_size, camera_revision, content) =
+            (view.parameters.size, view.parameters.camera_revision, view.content);
         let detail = match quality {
             FrameQuality::Moving => view.detail_choice.detail(),
             FrameQuality::Settled => Detail::FULL,
         };
         let actor_id = payer.actor_id().filter(|_| quality == FrameQuality::Moving);
-        let shortened = actor_id.map_or(PictureScale::FULL, |actor_id| {
+        let picture_scale = actor_id.map_or(PictureScale::FULL, |actor_id| {
             let size = detail.resolution.of(view_size);
-            let seen = (view.lease.slot(), urgency == Urgency::Moving);
-            self.backend.moving_pixels.record_picture(actor_id, seen, size, Instant::now())
+            let (slot, is_interactive) = (view.lease.slot(), urgency == Urgency::Moving);
+            self.services.moving_pixels.record_picture(actor_id, slot, is_interactive, size, Instant::now())
         });
-        let is_news = shortened != PictureScale::FULL && !view.was_warned_smaller;
-        view.was_warned_smaller |= is_news;
-        let stamp = FrameStamp {
-            content,
-            quality,
-            log_seq,
-            live_revision,
-            camera_revision,
-            detail,
-            view_size,
-            picture_scale: shortened,
-        };
+        let is_newly_reduced = picture_scale != PictureScale::FULL && !view.was_warned_smaller;
+        view.was_warned_smaller |= is_newly_reduced;
+        let stamp =
+            FrameStamp { content, quality, log_seq, live_revision, camera_revision, detail, view_size, picture_scale };
         let request = PictureRequest {
             session,
             viewer: Arc::clone(&view.lease),
@@ -319,37 +298,36 @@ impl Views {
             scene: Arc::clone(live.scene),
             view: RenderView {
                 samples: samples(quality),
-                exposure: view.settings.exposure,
+                exposure: view.parameters.settings.exposure,
                 shadow_map: detail.shadow_map,
                 slot: view.lease.slot(),
-                ..RenderView::beauty(view.camera.clone(), stamp.size())
+                ..RenderView::beauty(view.parameters.camera.clone(), stamp.size())
             },
             lights,
             output: PictureFormat::Display,
             urgency,
-            ticket: place.clone(),
+            ticket: ticket.clone(),
         };
-        let left_out = match quality {
-            FrameQuality::Moving => None,
-            FrameQuality::Settled => Some(
-                live.scene.bounds().undrawable_of(request.lights.iter().map(|instance| &*instance.light)),
-            ),
-        };
-        let news = left_out.filter(|left_out| *left_out != view.left_out);
-        if let Some(left_out) = &news {
-            view.left_out.clone_from(left_out);
+        let mut newly_left_out = Vec::new();
+        if quality == FrameQuality::Settled {
+            let lights = request.lights.iter().map(|instance| &*instance.light);
+            let left_out = live.scene.bounds().undrawable_of(lights);
+            if left_out != view.left_out {
+                view.left_out.clone_from(&left_out);
+                newly_left_out = left_out;
+            }
         }
-        let whose = (Arc::clone(&self.name), owner);
-        let task = self.pictures.spawn(draw_picture(self.backend.clone(), request, stamp, whose));
-        let (revision, place, asked_at) = (content.revision, Some(place), Instant::now());
-        view.drawing = Some(PendingPicture { quality, revision, ticket: place, asked_at, task });
+        let session = Arc::clone(&self.name);
+        let task = self.pictures.spawn(draw_picture(self.services.clone(), request, stamp, session, owner));
+        let (revision, ticket, asked_at) = (content.revision, Some(ticket), Instant::now());
+        view.drawing = Some(PendingPicture { quality, revision, ticket, asked_at, task });
         // Sent once, to all viewers.
-        if is_news {
+        if is_newly_reduced {
             for &id in watchers {
                 outboxes.warn(id, &ServerError::ViewsMoveTooMuch);
             }
         }
-        for why in news.into_iter().flatten() {
+        for why in newly_left_out {
             let error = ServerError::from(RenderError::from(why));
             for &id in watchers {
                 outboxes.send_error(id, &error);
@@ -359,25 +337,22 @@ impl Views {
 }
 
 impl Viewer {
+    /// True if the client edited or moved its view lately.
+    pub(super) fn is_interactive(&self) -> bool {
+        self.last_interaction.is_some_and(|then| then.elapsed() < INTERACTIVE_FOR)
+    }
+
     /// Starts to send a picture. Unsent tiles of the one before are dropped.
     fn start_sending(&mut self, picture: Arc<EncodedFrame>, now: Instant) {
         self.frame += 1;
-        let (frame, key) = (self.frame, self.pace.needs_key_frame());
-        self.pace.sent(frame, picture.stamp.content.revision, picture.stamp.quality, now);
+        let (frame, is_key_frame) = (self.frame, self.pace.needs_key_frame());
+        self.pace.sent(frame, picture.drawn.stamp.content.revision, picture.drawn.stamp.quality, now);
         self.shown_frame = None;
         if picture.base.is_none() {
             self.last_key_frame = frame;
         }
-        let is_held = picture.number <= self.latest_picture;
+        let is_reused = picture.number <= self.latest_picture;
         self.latest_picture = picture.number;
-        self.sending = Some(OutgoingFrame {
-            picture,
-            frame,
-            is_key_frame: key,
-            is_reused: is_held,
-            sent: 0,
-            bytes: 0,
-            sent_at: now,
-        });
+        self.sending = Some(OutgoingFrame { picture, frame, is_key_frame, is_reused, sent: 0, bytes: 0, sent_at: now });
     }
 }

@@ -7,6 +7,7 @@ use light::{LightId, LightInstance};
 use protocol::RenderRequest;
 
 use crate::ServerError;
+use crate::error::check_size;
 
 /// Settings of a view. They are in no document, and each viewer has its own.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,17 +21,16 @@ pub struct ViewSettings {
 impl ViewSettings {
     /// Returns the lights of the document that the view shows.
     pub fn visible_lights(&self, mut lights: Vec<LightInstance>) -> Vec<LightInstance> {
-        if lights.iter().any(|instance| self.solo.contains(&instance.id)) {
-            lights.retain(|instance| self.solo.contains(&instance.id));
-        }
+        let hidden = self.hidden_lights(&lights);
+        lights.retain(|instance| !hidden.contains(&instance.id));
         lights
     }
 
     /// Returns the lights of the document that the view hides.
     pub fn hidden_lights(&self, lights: &[LightInstance]) -> BTreeSet<LightId> {
-        let shown: BTreeSet<LightId> =
-            self.visible_lights(lights.to_vec()).iter().map(|instance| instance.id).collect();
-        lights.iter().map(|instance| instance.id).filter(|id| !shown.contains(id)).collect()
+        let (shown, hidden): (BTreeSet<_>, BTreeSet<_>) =
+            lights.iter().map(|instance| instance.id).partition(|id| self.solo.contains(id));
+        if shown.is_empty() { BTreeSet::new() } else { hidden }
     }
 }
 
@@ -39,10 +39,7 @@ impl TryFrom<protocol::ViewSettings> for ViewSettings {
 
     fn try_from(wire: protocol::ViewSettings) -> Result<Self, ServerError> {
         let protocol::ViewSettings { exposure, solo } = wire;
-        if solo.len() > MAX_LIGHTS {
-            let what = "the list of lights that a view shows alone";
-            return Err(ServerError::TooLarge { what, limit: MAX_LIGHTS, unit: "lights" });
-        }
+        check_size("the list of lights that a view shows alone", solo.len(), MAX_LIGHTS, "lights")?;
         let exposure = RenderRequest::check_exposure(exposure)?;
         Ok(Self { exposure, solo: solo.into_iter().map(LightId).collect() })
     }

@@ -4,16 +4,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use light::UndrawableLight;
-use protocol::Interaction;
-use scene::Camera;
 use stream::{FrameQuality, ViewContent};
 use tokio::task::AbortHandle;
 
 use super::detail::DetailChoice;
 use super::frame::{DrawnFrame, EncodedFrame};
-use super::settings::ViewSettings;
 use crate::outboxes::ClientId;
 use crate::renderer::{PictureTicket, RenderLease};
+use crate::request::ViewParameters;
 
 /// The view that a client sees.
 pub enum ViewTarget {
@@ -26,11 +24,7 @@ pub enum ViewTarget {
 
 /// A camera with its settings and pictures.
 pub struct ClientView {
-    pub camera: Camera,
-    pub camera_revision: u32,
-    pub settings: ViewSettings,
-    /// Width and height in pixels.
-    pub size: [u32; 2],
+    pub parameters: ViewParameters,
     pub detail_choice: DetailChoice,
     pub content: ViewContent,
     /// Latest picture of the view.
@@ -71,40 +65,29 @@ impl Drop for PendingPicture {
 }
 
 impl ViewTarget {
-    pub fn own(&mut self) -> Option<&mut ClientView> {
-        match self {
-            Self::Own(view) => Some(view),
-            Self::Nothing | Self::Follow(_) => None,
-        }
+    pub fn own(&self) -> Option<&ClientView> {
+        if let Self::Own(view) = self { Some(view) } else { None }
+    }
+
+    pub fn own_mut(&mut self) -> Option<&mut ClientView> {
+        if let Self::Own(view) = self { Some(view) } else { None }
     }
 }
 
 impl ClientView {
-    pub fn new(
-        (camera, camera_revision): (Camera, u32),
-        (settings, interaction): (ViewSettings, Interaction),
-        size: [u32; 2],
-        content: ViewContent,
-        lease: Arc<RenderLease>,
-    ) -> Self {
-        let (latest, drawing, drawn, encoding) = (None, None, None, None);
-        let (waits_since, failed, left_out, was_warned_smaller) = (None, None, Vec::new(), false);
-        let detail_choice = DetailChoice::new(interaction);
+    pub fn new(parameters: ViewParameters, content: ViewContent, lease: Arc<RenderLease>) -> Self {
         Self {
-            camera,
-            camera_revision,
-            settings,
-            size,
-            detail_choice,
+            detail_choice: DetailChoice::new(parameters.interaction),
+            parameters,
             content,
-            latest,
-            drawing,
-            drawn,
-            encoding,
-            waits_since,
-            failed,
-            left_out,
-            was_warned_smaller,
+            latest: None,
+            drawing: None,
+            drawn: None,
+            encoding: None,
+            waits_since: None,
+            failed: None,
+            left_out: Vec::new(),
+            was_warned_smaller: false,
             lease,
         }
     }
@@ -118,9 +101,9 @@ impl ClientView {
         self.encoding.take_if(|job| job.quality == FrameQuality::Settled);
         self.drawn.take_if(|drawing| drawing.stamp.quality == FrameQuality::Settled);
         let is_old = |job: &&PendingPicture| job.asked_at.elapsed() >= keeps_for;
-        let given_up = self.drawing.as_ref().filter(is_old).and_then(|job| job.ticket.as_ref()?.cancel());
-        if given_up.is_some() {
-            (self.drawing, self.waits_since) = (None, given_up);
+        let queued_at = self.drawing.as_ref().filter(is_old).and_then(|job| job.ticket.as_ref()?.cancel());
+        if queued_at.is_some() {
+            (self.drawing, self.waits_since) = (None, queued_at);
         }
     }
 
@@ -133,9 +116,6 @@ impl ClientView {
     pub fn is_pending_or_failed(&self, quality: FrameQuality) -> bool {
         let is_it = |job: &PendingPicture| (job.quality, job.revision) == (quality, self.content.revision);
         let encoding = self.encoding.as_ref().is_some_and(is_it);
-        encoding
-            || self.drawing.is_some()
-            || self.drawn.is_some()
-            || self.failed == Some(self.content.revision)
+        encoding || self.drawing.is_some() || self.drawn.is_some() || self.failed == Some(self.content.revision)
     }
 }

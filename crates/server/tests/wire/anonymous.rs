@@ -3,36 +3,33 @@
 use std::time::{Duration, Instant};
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::TcpStream;
 use tokio::spawn;
 
-use crate::client::{ask_with, bearer, get};
+use crate::client::{bearer, get, get_unless, send_raw};
 use crate::server::{SHARED, ServerDoor};
 
 /// Rules: HTTP-24
 #[test]
-fn what_never_changes_has_a_tag_by_which_clients_keep_it() {
-    let bearer = bearer(&SHARED);
+fn constant_answers_have_a_tag_by_which_clients_keep_them() {
     for path in ["/openapi.json", "/parameters"] {
         let full = get(&SHARED, path);
         let tag = full.headers["etag"].to_str().unwrap().to_owned();
         assert!(tag.starts_with('"') && tag.len() == 66, "a strong tag: {tag}");
-        let asked =
-            |tag: &str| ask_with(&SHARED, path, &[("authorization", &bearer), ("if-none-match", tag)], None);
         for known in [tag.clone(), format!("\"older\", W/{tag}"), "*".into()] {
-            let answer = asked(&known);
+            let answer = get_unless(&SHARED, path, &known);
             assert_eq!((answer.status, answer.body.len()), (304, 0), "{path} {known}");
             assert_eq!(answer.headers["etag"], tag.as_str());
         }
         for other in ["\"older\"", &tag[1..65], "W/"] {
-            assert_eq!((asked(other).status, asked(other).body), (200, full.body.clone()), "{path} {other}");
+            let answer = get_unless(&SHARED, path, other);
+            assert_eq!((answer.status, &answer.body), (200, &full.body), "{path} {other}");
         }
     }
 }
 
 /// Requests a path that many times on one connection, one request after the other.
 async fn ask_repeatedly(door: ServerDoor, path: &'static str, headers: String, count: usize) {
-    let mut stream = TcpStream::connect(door.address).await.unwrap();
+    let mut stream = send_raw(&door, "").await;
     let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n");
     for _ in 0..count {
         stream.write_all(request.as_bytes()).await.unwrap();
@@ -49,9 +46,8 @@ async fn ask_repeatedly(door: ServerDoor, path: &'static str, headers: String, c
 /// Measures the time in which `connections` connections request `path`, each of them `count` times.
 async fn time_of(path: &'static str, headers: &str, connections: usize, count: usize) -> Duration {
     let began = Instant::now();
-    let asking: Vec<_> = (0..connections)
-        .map(|_| spawn(ask_repeatedly(SHARED.clone(), path, headers.to_owned(), count)))
-        .collect();
+    let asking: Vec<_> =
+        (0..connections).map(|_| spawn(ask_repeatedly(SHARED.clone(), path, headers.to_owned(), count))).collect();
     for one in asking {
         one.await.unwrap();
     }
@@ -74,7 +70,7 @@ async fn anonymous_requests_delay_only_each_other() {
         assert!(anonymous >= bound, "{path}: {anonymous:?} is less than {bound:?}");
     }
     let known = time_of("/nowhere", &token, CONNECTIONS, EACH).await;
-    assert!(known < bound, "who has the token waits as strangers do: {known:?}");
+    assert!(known < bound, "who has the token waits as anonymous requests do: {known:?}");
     let anonymous = spawn(time_of("/openapi.json", "", CONNECTIONS, EACH));
     let asked = Instant::now();
     time_of("/healthz", "", 1, 1).await;

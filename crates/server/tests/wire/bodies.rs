@@ -4,10 +4,9 @@ use std::time::Duration;
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
-use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
-use crate::client::{HttpAnswer, bearer, get, post};
+use crate::client::{get, head_of, metric, on_thread, post, send_raw, wait_until};
 use crate::server::{OwnServer, ServerDoor};
 
 const MIB: usize = 1 << 20;
@@ -15,40 +14,20 @@ const MIB: usize = 1 << 20;
 const COST: usize = 4 * 8 * MIB;
 const ROOM: usize = 320 / 2 * MIB / COST;
 
-async fn on_thread(
-    door: &ServerDoor,
-    ask: impl FnOnce(&ServerDoor) -> HttpAnswer + Send + 'static,
-) -> HttpAnswer {
-    let door = door.clone();
-    spawn_blocking(move || ask(&door)).await.unwrap()
-}
-
 /// Returns the bytes that are reserved in the budget.
-async fn held(door: &ServerDoor) -> usize {
-    let metrics = on_thread(door, |door| get(door, "/metrics")).await;
-    let line = metrics.text().lines().find_map(|line| line.strip_prefix("bendylights_bytes_in_flight "));
-    line.expect("a count").parse().expect("a number")
+async fn reserved_bytes(door: &ServerDoor) -> usize {
+    on_thread(door, |door| metric(door, "bendylights_bytes_in_flight")).await.expect("a count") as usize
 }
 
 /// Waits until the number of reserved bytes satisfies `wanted`.
-async fn holds(door: &ServerDoor, wanted: impl Fn(usize) -> bool) {
-    let mut tries = 0..1_000;
-    while !wanted(held(door).await) {
-        tries.next().expect("the account changes at once");
-        sleep(Duration::from_millis(5)).await;
-    }
+async fn until_reserved(door: &ServerDoor, wanted: impl Fn(usize) -> bool) {
+    wait_until("the budget changes at once", async || wanted(reserved_bytes(door).await)).await;
 }
 
 /// Starts a request: its head, with a header for the length of its body, and a part of the body.
-async fn begin(door: &ServerDoor, how: &str, part: &[u8]) -> TcpStream {
-    let mut stream = TcpStream::connect(door.address).await.unwrap();
-    let head = format!(
-        "POST /sessions HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\nConnection: close\r\n{how}\r\n\r\n",
-        bearer(door)
-    );
-    stream.write_all(head.as_bytes()).await.unwrap();
-    stream.write_all(part).await.unwrap();
-    stream
+async fn begin(door: &ServerDoor, length: &str, part: &[u8]) -> TcpStream {
+    let head = head_of(door, "POST /sessions", &format!("Connection: close\r\n{length}"));
+    send_raw(door, [head.as_bytes(), part].concat()).await
 }
 
 fn session_of(name: &str, bytes: usize) -> String {
@@ -59,18 +38,18 @@ fn session_of(name: &str, bytes: usize) -> String {
 
 /// Rules: HTTP-26
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn bodies_that_are_cut_off_give_back_what_they_held() {
+async fn bodies_that_are_cut_off_free_their_reservation() {
     let own = OwnServer::start().await;
     let door = &own.door;
-    assert_eq!(held(door).await, 0);
-    let said = format!("Content-Length: {}", 8 * MIB);
+    assert_eq!(reserved_bytes(door).await, 0);
+    let length = format!("Content-Length: {}", 8 * MIB);
     let mut resting = Vec::new();
     for _ in 0..ROOM {
-        resting.push(begin(door, &said, b"{").await);
+        resting.push(begin(door, &length, b"{").await);
     }
-    holds(door, |held| held == ROOM * COST).await;
+    until_reserved(door, |bytes| bytes == ROOM * COST).await;
     // One byte of each has arrived, so the length in the head counts. A body of unknown length counts once it is large.
-    let mut one_more = begin(door, &said, &vec![b' '; 8 * MIB]).await;
+    let mut one_more = begin(door, &length, &vec![b' '; 8 * MIB]).await;
     let mut answer = String::new();
     one_more.read_to_string(&mut answer).await.unwrap();
     assert!(answer.starts_with("HTTP/1.1 503 ") && answer.contains("\"busy\""), "{answer}");
@@ -88,14 +67,14 @@ async fn bodies_that_are_cut_off_give_back_what_they_held() {
     assert!(answer.status == 200 && is_large, "a large answer is not refused for bodies: {}", answer.status);
     // Far more than fit, all of which break off.
     for _ in 0..200 {
-        resting.push(begin(door, &said, b"{").await);
+        resting.push(begin(door, &length, b"{").await);
     }
-    assert!(held(door).await <= ROOM * COST);
+    assert!(reserved_bytes(door).await <= ROOM * COST);
     drop(resting);
-    holds(door, |held| held == 0).await;
+    until_reserved(door, |bytes| bytes == 0).await;
     let large = on_thread(door, |door| post(door, "/sessions", &session_of("large", 8 * MIB))).await;
     assert_eq!(large.status, 201, "{}", large.text());
-    assert_eq!(held(door).await, 0, "what is answered holds nothing");
+    assert_eq!(reserved_bytes(door).await, 0, "what is answered holds nothing");
 }
 
 /// Rules: HTTP-14, HTTP-26
@@ -104,7 +83,7 @@ async fn a_large_body_comes_within_two_minutes() {
     let own = OwnServer::start().await;
     let mut slow = begin(&own.door, &format!("Content-Length: {}", 8 * MIB), b"{").await;
     slow.write_all(&vec![b' '; 128 << 10]).await.unwrap();
-    holds(&own.door, |held| held == COST).await;
+    until_reserved(&own.door, |bytes| bytes == COST).await;
     tokio::time::pause();
     for _ in 0..7 {
         sleep(Duration::from_secs(20)).await;

@@ -1,80 +1,87 @@
 //! Clients of both interfaces.
 
+use std::time::Duration;
+
 use futures_util::{SinkExt, StreamExt};
-use protocol::{Actor, ClientMessage, PROTOCOL, ServerMessage, Welcome};
-use serde_json::Value;
+use protocol::{Actor, ClientMessage, Command, ErrorCode, Outcome, PROTOCOL, ServerMessage, ViewSource, Welcome};
+use serde_json::{Value, json};
 use stream::FrameHeader;
+use tokio::io::AsyncWriteExt;
 use tokio::net::{TcpSocket, TcpStream};
+use tokio::task::spawn_blocking;
+use tokio::time::sleep;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
 use tokio_tungstenite::tungstenite::http::Request;
 use tokio_tungstenite::tungstenite::{Error, Message};
-use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, client_async, connect_async};
+use tokio_tungstenite::{WebSocketStream, client_async};
 use ureq::http::HeaderMap;
 
 use crate::documented::check;
 use crate::server::ServerDoor;
 
-/// A message from a socket.
-#[derive(Debug)]
-pub enum ReceivedMessage {
-    Control(ServerMessage),
-    /// The last tile of a frame. Earlier tiles are skipped.
-    Frame(FrameHeader),
-    /// The server has closed the connection.
-    End,
-}
-
-/// Returns a connection with a small receive buffer of the client's system, which soon reports a read.
-pub async fn connect_with_small_buffers(door: &ServerDoor) -> TcpStream {
+/// Returns a connection with a receive buffer of `bytes` in the client's system. A small one soon reports a read.
+pub async fn connect_with_buffer(door: &ServerDoor, bytes: u32) -> TcpStream {
     let socket = TcpSocket::new_v4().unwrap();
-    socket.set_recv_buffer_size(16 << 10).unwrap();
+    socket.set_recv_buffer_size(bytes).unwrap();
     socket.connect(door.address).await.unwrap()
 }
 
-pub struct Client(WebSocketStream<MaybeTlsStream<TcpStream>>);
+/// Returns the head of a request with the token and those header lines.
+pub fn head_of(door: &ServerDoor, request: &str, headers: &str) -> String {
+    format!("{request} HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\n{headers}\r\n\r\n", bearer(door))
+}
+
+/// Connects and sends bytes as they are.
+pub async fn send_raw(door: &ServerDoor, bytes: impl AsRef<[u8]>) -> TcpStream {
+    let mut stream = TcpStream::connect(door.address).await.unwrap();
+    stream.write_all(bytes.as_ref()).await.unwrap();
+    stream
+}
+
+/// Size of a receive buffer that a few messages fill.
+pub const SMALL_BUFFER_BYTES: u32 = 16 << 10;
+
+pub struct Client(WebSocketStream<TcpStream>);
 
 impl Client {
     pub async fn connect(door: &ServerDoor) -> Self {
-        Self(connect_async(socket_request(door)).await.unwrap().0)
+        Self::over(door, TcpStream::connect(door.address).await.unwrap()).await
     }
 
     /// Connects and says hello.
     pub async fn join(door: &ServerDoor, session: &str, name: &str) -> (Self, Welcome) {
-        Self::connect(door).await.welcomed(door, session, name).await
-    }
-
-    /// Joins like [`Self::join`], with a small receive buffer.
-    pub async fn join_with_small_buffers(door: &ServerDoor, session: &str, name: &str) -> (Self, Welcome) {
-        Self::connect_with_small_buffers(door).await.welcomed(door, session, name).await
+        Self::connect(door).await.greet(door, session, name).await.expect("a welcome")
     }
 
     /// Connects like [`Self::connect`], with a small receive buffer.
     pub async fn connect_with_small_buffers(door: &ServerDoor) -> Self {
-        let stream = MaybeTlsStream::Plain(connect_with_small_buffers(door).await);
+        Self::over(door, connect_with_buffer(door, SMALL_BUFFER_BYTES).await).await
+    }
+
+    async fn over(door: &ServerDoor, stream: TcpStream) -> Self {
         Self(client_async(socket_request(door), stream).await.unwrap().0)
     }
 
-    /// Connects and says hello. Returns the welcome if that is the answer.
-    pub async fn greeted(door: &ServerDoor, session: &str, name: &str) -> Option<Welcome> {
-        let mut client = Self::connect(door).await;
-        client.say(&hello(&door.token, session, name)).await;
-        match client.next().await {
-            ReceivedMessage::Control(ServerMessage::Welcome(welcome)) => Some(*welcome),
+    /// Says hello. Returns `None` if the answer is no welcome.
+    pub async fn greet(mut self, door: &ServerDoor, session: &str, name: &str) -> Option<(Self, Welcome)> {
+        self.say_hello(door, session, name).await;
+        match self.next().await {
+            Some(ServerMessage::Welcome(welcome)) => Some((self, *welcome)),
             _ => None,
         }
     }
 
-    pub fn into_stream(self) -> MaybeTlsStream<TcpStream> {
+    pub fn into_stream(self) -> TcpStream {
         self.0.into_inner()
     }
 
-    async fn welcomed(self, door: &ServerDoor, session: &str, name: &str) -> (Self, Welcome) {
-        let mut client = self;
-        client.say(&hello(&door.token, session, name)).await;
-        match client.next().await {
-            ReceivedMessage::Control(ServerMessage::Welcome(welcome)) => (client, *welcome),
-            other => panic!("no welcome but {other:?}"),
-        }
+    pub async fn say_hello(&mut self, door: &ServerDoor, session: &str, name: &str) {
+        self.say(&hello(&door.token, session, name)).await;
+    }
+
+    /// Sends an edit.
+    pub async fn say_edit(&mut self, op_id: &str, base_seq: u64, command: Command) {
+        self.say(&ClientMessage::Edit { op_id: op_id.into(), base_seq, command }).await;
     }
 
     pub async fn say(&mut self, message: &ClientMessage) {
@@ -89,55 +96,64 @@ impl Client {
         self.0.send(Message::binary(bytes)).await.unwrap();
     }
 
-    /// Returns the next control message, frame or end.
-    pub async fn next(&mut self) -> ReceivedMessage {
+    /// Returns the next control message, or `None` at the end of the connection. Skips frames.
+    pub async fn next(&mut self) -> Option<ServerMessage> {
         loop {
-            match self.0.next().await {
-                Some(Ok(Message::Text(text))) => {
-                    return ReceivedMessage::Control(ServerMessage::parse(&text).unwrap());
-                }
-                Some(Ok(Message::Binary(bytes))) => {
-                    let header = FrameHeader::from_bytes(&bytes).unwrap();
-                    if header.flags.is_last_tile {
-                        return ReceivedMessage::Frame(header);
-                    }
-                }
-                Some(Ok(Message::Close(_)) | Err(_)) | None => return ReceivedMessage::End,
-                Some(Ok(_)) => {}
+            match self.0.next().await? {
+                Ok(Message::Text(text)) => return Some(protocol::parse_body(&text).unwrap()),
+                Ok(Message::Binary(bytes)) => drop(FrameHeader::from_bytes(&bytes).unwrap()),
+                Ok(Message::Close(_)) | Err(_) => return None,
+                Ok(_) => {}
             }
         }
     }
 
     /// Skips messages until `wanted` returns a value.
-    pub async fn until<T>(&mut self, mut wanted: impl FnMut(ReceivedMessage) -> Option<T>) -> T {
+    pub async fn until<T>(&mut self, mut wanted: impl FnMut(ServerMessage) -> Option<T>) -> T {
         loop {
-            let came = self.next().await;
-            assert!(!matches!(came, ReceivedMessage::End), "the server has closed");
-            if let Some(found) = wanted(came) {
+            let message = self.next().await.expect("the server has closed");
+            if let Some(found) = wanted(message) {
                 return found;
             }
+        }
+    }
+
+    /// Returns the outcome of an operation. Skips messages before it.
+    pub async fn outcome(&mut self, op_id: &str) -> Outcome {
+        let outcome_in = |message| match message {
+            ServerMessage::EditResult(result) if result.op_id == op_id => Some(result.outcome),
+            _ => None,
+        };
+        self.until(outcome_in).await
+    }
+
+    /// Returns the code and message of the next fatal error.
+    pub async fn fatal_error(&mut self) -> (ErrorCode, String) {
+        match self.next().await {
+            Some(ServerMessage::Error { code, message, fatal: true }) => (code, message),
+            other => panic!("no fatal error but {other:?}"),
         }
     }
 
     /// Returns the next tile of a frame. Skips other messages.
     pub async fn tile(&mut self) -> FrameHeader {
         loop {
-            match self.0.next().await {
-                Some(Ok(Message::Binary(bytes))) => return FrameHeader::from_bytes(&bytes).unwrap(),
-                Some(Ok(Message::Close(_)) | Err(_)) | None => panic!("the server has closed"),
-                Some(Ok(_)) => {}
+            match self.0.next().await.expect("the server has closed").unwrap() {
+                Message::Binary(bytes) => return FrameHeader::from_bytes(&bytes).unwrap(),
+                Message::Close(_) => panic!("the server has closed"),
+                _ => {}
             }
         }
     }
 
     /// Returns the next frame after acknowledging it.
     pub async fn frame(&mut self) -> FrameHeader {
-        let header = self
-            .until(|came| match came {
-                ReceivedMessage::Frame(header) => Some(header),
-                ReceivedMessage::Control(_) | ReceivedMessage::End => None,
-            })
-            .await;
+        let header = loop {
+            let tile = self.tile().await;
+            if tile.flags.is_last_tile {
+                break tile;
+            }
+        };
         self.say(&ClientMessage::Ack { frame: header.frame }).await;
         header
     }
@@ -164,7 +180,7 @@ pub async fn socket_with(door: &ServerDoor, headers: &[(&'static str, &str)]) ->
     for (name, value) in headers {
         request.headers_mut().insert(*name, value.parse().unwrap());
     }
-    match connect_async(request).await {
+    match client_async(request, TcpStream::connect(door.address).await.unwrap()).await {
         Ok(_) => None,
         Err(Error::Http(response)) => Some(response.status().as_u16()),
         Err(other) => panic!("{other}"),
@@ -198,13 +214,7 @@ impl HttpAnswer {
 }
 
 /// Sends a request with only those headers. Checks that `/openapi.json` names the answer.
-pub fn send(
-    door: &ServerDoor,
-    method: &str,
-    path: &str,
-    headers: &[(&str, &str)],
-    body: &[u8],
-) -> HttpAnswer {
+pub fn send(door: &ServerDoor, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> HttpAnswer {
     let config = ureq::Agent::config_builder().http_status_as_error(false).allow_non_standard_methods(true);
     let agent: ureq::Agent = config.build().into();
     let request = Request::builder().method(method).uri(format!("http://{}{path}", door.address));
@@ -235,14 +245,24 @@ pub fn get(door: &ServerDoor, path: &str) -> HttpAnswer {
 }
 
 /// Sends JSON with the token.
-pub fn post(door: &ServerDoor, path: &str, body: &str) -> HttpAnswer {
-    let headers = [("authorization", bearer(door)), ("content-type", "application/json".into())];
-    ask_with(
-        door,
-        path,
-        &headers.each_ref().map(|(name, value)| (*name, value.as_str())),
-        Some(body.as_bytes()),
-    )
+pub fn post(door: &ServerDoor, path: &str, body: &(impl ToString + ?Sized)) -> HttpAnswer {
+    send_json(door, "POST", path, body)
+}
+
+/// Sends JSON with the token and that method.
+pub fn send_json(door: &ServerDoor, method: &str, path: &str, body: &(impl ToString + ?Sized)) -> HttpAnswer {
+    let headers = [("authorization", &*bearer(door)), ("content-type", "application/json")];
+    send(door, method, path, &headers, body.to_string().as_bytes())
+}
+
+/// Requests with the token, unless the client has the answer with that tag.
+pub fn get_unless(door: &ServerDoor, path: &str, tag: &str) -> HttpAnswer {
+    ask_with(door, path, &[("authorization", &bearer(door)), ("if-none-match", tag)], None)
+}
+
+/// Sends a scene's file.
+pub fn upload(door: &ServerDoor, query: &str, file: &[u8]) -> HttpAnswer {
+    ask_with(door, &format!("/assets{query}"), &[("authorization", &bearer(door))], Some(file))
 }
 
 /// Returns the value of the header with the token.
@@ -250,8 +270,100 @@ pub fn bearer(door: &ServerDoor) -> String {
     format!("Bearer {}", door.token)
 }
 
-/// Opens a new session of the demo scene, with a name that only its test uses.
+/// Stores a scene's file and returns the answer, which must be no error.
+pub fn add_asset(door: &ServerDoor, query: &str, file: &[u8]) -> Value {
+    let sent = upload(door, query, file);
+    assert_eq!(sent.status, 201, "{query}: {}", sent.text());
+    sent.json()
+}
+
+/// Makes a session and returns its state.
+pub fn make_session(door: &ServerDoor, session: &Value) -> Value {
+    let made = post(door, "/sessions", session);
+    assert_eq!(made.status, 201, "{session}: {}", made.text());
+    made.json()
+}
+
+/// Makes a session of the demo scene, with a name that only its test uses.
 pub fn new_session(door: &ServerDoor, name: &str) {
-    let made = post(door, "/sessions", &format!(r#"{{"name": "{name}", "scene": "demo:vases"}}"#));
-    assert_eq!(made.status, 201, "{}", made.text());
+    make_session(door, &json!({"name": name, "scene": "demo:vases"}));
+}
+
+/// Returns the state of a session.
+pub fn state(door: &ServerDoor, session: &str) -> Value {
+    get(door, &format!("/sessions/{session}")).json()
+}
+
+/// Sends a request of edits to a session.
+pub fn post_edits(door: &ServerDoor, session: &str, request: &Value) -> HttpAnswer {
+    post(door, &format!("/sessions/{session}/edits"), request)
+}
+
+/// Sends a request of edits to a session and returns the answer, which must be no error.
+pub fn edit(door: &ServerDoor, session: &str, request: &Value) -> Value {
+    let answer = post_edits(door, session, request);
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    answer.json()
+}
+
+/// Carries out edits in a session and returns their results, in order.
+pub fn results_of(door: &ServerDoor, session: &str, edits: &Value) -> Vec<Value> {
+    edit(door, session, &json!({ "edits": edits }))["results"].as_array().expect("results").clone()
+}
+
+/// Returns a command that adds a spot light.
+pub fn spot(name: &str) -> Value {
+    json!({"type": "addLight", "light": {"type": "spot", "name": name, "transform": {"translation": [0, 3, 2]}}})
+}
+
+/// Returns a command that sets the property at an address.
+pub fn set(target: &str, value: impl Into<Value>) -> Value {
+    json!({"type": "set", "target": target, "value": value.into()})
+}
+
+/// Returns the value of a metric, whose name includes its labels.
+pub fn metric(door: &ServerDoor, name: &str) -> Option<f64> {
+    get(door, "/metrics").text().lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok())
+}
+
+/// Runs requests on another thread, since the server runs on this one.
+pub async fn on_thread<T: Send + 'static>(door: &ServerDoor, ask: impl FnOnce(&ServerDoor) -> T + Send + 'static) -> T {
+    let door = door.clone();
+    spawn_blocking(move || ask(&door)).await.unwrap()
+}
+
+/// Waits until `condition` is true, for 20 seconds and the time that it takes to ask.
+pub async fn wait_until(what: &str, mut condition: impl AsyncFnMut() -> bool) {
+    let mut tries = 0..4_000;
+    while !condition().await {
+        assert!(tries.next().is_some(), "{what}");
+        sleep(Duration::from_millis(5)).await;
+    }
+}
+
+/// Returns the message that opens a view of that size in pixels.
+pub fn open_view(source: ViewSource, [width, height]: [u32; 2]) -> ClientMessage {
+    ClientMessage::OpenView {
+        source,
+        width,
+        height,
+        camera_revision: 7,
+        settings: None,
+        interaction: None,
+        stats: false,
+    }
+}
+
+/// Returns a command that adds a light whose records have 40 kB, because of their digits.
+pub fn large_light() -> Value {
+    let third = 1.0 / 3.0;
+    let points: Vec<[f64; 3]> = (0..200).map(|k| [0.0, 0.0, -third * f64::from(k)]).collect();
+    let (colors, numbers) = ([[third; 3]; 200].to_vec(), [third; 200].to_vec());
+    json!({"type": "addLight", "light":
+        {"type": "bendy", "points": points, "radii": numbers, "colors": colors, "intensities": numbers}})
+}
+
+/// Returns commands that insert a point into light 1 and remove it again.
+pub fn insert_and_remove_point() -> [Value; 2] {
+    ["insertPoint", "removePoint"].map(|command| json!({"type": command, "light": 1, "point": 100}))
 }

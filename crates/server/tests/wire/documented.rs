@@ -55,10 +55,7 @@ fn an_answer_that_the_document_does_not_name_is_caught() {
     let planted = [
         HttpAnswer { status: 409, ..answer.clone() },
         HttpAnswer { kind: "text/plain".into(), ..answer.clone() },
-        HttpAnswer {
-            body: json!({"error": {"code": "exists", "message": "x"}}).to_string().into(),
-            ..answer
-        },
+        HttpAnswer { body: json!({"error": {"code": "exists", "message": "x"}}).to_string().into(), ..answer },
     ];
     for answer in planted {
         assert!(check("GET", "/sessions/nowhere", &answer).is_err(), "{answer:?}");

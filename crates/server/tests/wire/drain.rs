@@ -1,15 +1,16 @@
 //! Stopping the server.
 
-use light::parameters::CONE_ANGLE;
 use std::time::Duration;
 
-use protocol::{ClientMessage, Command, ServerMessage};
+use light::parameters::CONE_ANGLE;
+use protocol::{Command, ServerMessage};
+use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::task::spawn_blocking;
 use tokio::time::{Instant, pause, sleep};
 
-use crate::client::{Client, ReceivedMessage, get, post};
+use crate::client::{Client, get, head_of, on_thread, post_edits, send_raw, state};
 use crate::server::OwnServer;
 
 /// Rules: SOCK-9, HTTP-9
@@ -20,43 +21,28 @@ async fn a_server_that_stops_finishes_what_it_has_accepted() {
     for step in 0..10 {
         let parameter = CONE_ANGLE.to(20.0 + f64::from(step)).into();
         let command = Command::SetLight { light: 1, parameter };
-        client
-            .say(&ClientMessage::Edit { op_id: format!("edit {step}"), base_seq: welcome.seq, command })
-            .await;
+        client.say_edit(&format!("edit {step}"), welcome.seq, command).await;
     }
-    let answered =
-        |came| matches!(came, ReceivedMessage::Control(ServerMessage::EditResult(_))).then_some(());
-    client.until(answered).await;
+    client.outcome("edit 0").await;
     let token = own.door.token.clone();
     let (folder, served) = own.stop();
 
-    let (mut committed, mut told) = (1, false);
-    loop {
-        match client.next().await {
-            ReceivedMessage::Control(ServerMessage::EditResult(result)) if result.outcome.seq().is_some() => {
-                committed += 1;
-            }
-            ReceivedMessage::Control(ServerMessage::Draining { retry_after_ms }) => {
-                told = retry_after_ms > 0;
-            }
-            ReceivedMessage::Control(_) | ReceivedMessage::Frame(_) => {}
-            ReceivedMessage::End => break,
+    let (mut committed, mut was_told) = (1, false);
+    while let Some(message) = client.next().await {
+        match message {
+            ServerMessage::EditResult(result) if result.outcome.seq().is_some() => committed += 1,
+            ServerMessage::Draining { retry_after_ms } => was_told = retry_after_ms > 0,
+            _ => {}
         }
     }
-    assert!(told, "the client was not told");
+    assert!(was_told, "the client was not told");
     served.await.unwrap().unwrap();
 
     // The folder is unlocked, pages stay signed in, and acknowledged records are there.
     let again = OwnServer::start_in(folder).await;
     assert_eq!(again.door.token, token);
-    let (again, session) = spawn_blocking(move || {
-        let session = get(&again.door, "/sessions/main").json();
-        (again, session)
-    })
-    .await
-    .unwrap();
+    let session = on_thread(&again.door, |door| state(door, "main")).await;
     assert!(session["seq"].as_u64().unwrap() >= welcome.seq + committed, "{committed} and {session}");
-    drop(again);
 }
 
 /// Rules: SOCK-9
@@ -65,9 +51,7 @@ async fn connections_that_ask_for_nothing_do_not_hold_up_a_stop() {
     let own = OwnServer::start().await;
     let mut silent = Vec::new();
     for begun in ["", "GET /hea", "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"] {
-        let mut stream = TcpStream::connect(own.door.address).await.unwrap();
-        stream.write_all(begun.as_bytes()).await.unwrap();
-        silent.push(stream);
+        silent.push(send_raw(&own.door, begun).await);
     }
     // The last one is answered and kept open. The others are accepted by then too.
     silent[2].read_exact(&mut [0; 12]).await.unwrap();
@@ -81,17 +65,12 @@ async fn connections_that_ask_for_nothing_do_not_hold_up_a_stop() {
 
 /// Rules: HTTP-9
 #[tokio::test]
-async fn who_asks_while_it_drains_is_told_so() {
+async fn a_request_during_draining_is_refused_as_such() {
     let own = OwnServer::start().await;
     // A request whose body has not arrived is waited for.
-    let mut slow = TcpStream::connect(own.door.address).await.unwrap();
-    let (token, body) = (&own.door.token, r#"{"name": "late"}"#);
-    let head = format!(
-        "POST /sessions HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {token}\r\nContent-Length: {}\r\n\r\n",
-        body.len()
-    );
-    slow.write_all(head.as_bytes()).await.unwrap();
-    slow.write_all(&body.as_bytes()[..5]).await.unwrap();
+    let body = r#"{"name": "late"}"#;
+    let head = head_of(&own.door, "POST /sessions", &format!("Content-Length: {}", body.len()));
+    let mut slow = send_raw(&own.door, head + &body[..5]).await;
     sleep(Duration::from_millis(300)).await;
     let (door, address) = (own.door.clone(), own.door.address);
     let (_folder, served) = own.stop();
@@ -104,7 +83,7 @@ async fn who_asks_while_it_drains_is_told_so() {
         };
         assert_eq!(ready.refusal(), (503, "draining".into()));
         assert_eq!(get(&door, "/healthz").status, 200, "it still runs");
-        let edit = post(&door, "/sessions/main/edits", r#"{"edits": [{"undo": "mine"}]}"#);
+        let edit = post_edits(&door, "main", &json!({"edits": [{"undo": "mine"}]}));
         assert_eq!(edit.refusal(), (503, "draining".into()));
     });
     asked.await.unwrap();

@@ -6,14 +6,8 @@ use crate::server::SHARED;
 /// Rules: HTTP-1
 #[test]
 fn all_but_the_page_and_signs_of_life_need_the_token() {
-    let paths = [
-        "/sessions",
-        "/sessions/main",
-        "/sessions/main/log",
-        "/sessions/main/render",
-        "/metrics",
-        "/sessions/nowhere",
-    ];
+    let paths =
+        ["/sessions", "/sessions/main", "/sessions/main/log", "/sessions/main/render", "/metrics", "/sessions/nowhere"];
     for path in paths {
         for headers in [&[][..], &[("authorization", "Bearer 0123456789abcdef0123456789abcdef")]] {
             let answer = ask_with(&SHARED, path, headers, None);
@@ -79,11 +73,7 @@ async fn foreign_host_names_are_refused() {
 fn the_scheme_of_the_token_is_understood_in_any_case() {
     for scheme in ["Bearer", "bearer", "BEARER"] {
         let value = format!("{scheme} {}", SHARED.token);
-        assert_eq!(
-            ask_with(&SHARED, "/sessions", &[("authorization", &value)], None).status,
-            200,
-            "{scheme}"
-        );
+        assert_eq!(ask_with(&SHARED, "/sessions", &[("authorization", &value)], None).status, 200, "{scheme}");
     }
     let basic = format!("Basic {}", SHARED.token);
     assert_eq!(ask_with(&SHARED, "/sessions", &[("authorization", &basic)], None).status, 401);
@@ -98,8 +88,7 @@ fn answers_have_security_headers() {
         assert_eq!(answer.headers["referrer-policy"], "no-referrer", "{path}");
     }
     let policy = get(&SHARED, "/").headers["content-security-policy"].to_str().unwrap().to_owned();
-    let directives =
-        ["connect-src 'self'", "base-uri 'none'", "form-action 'none'", "frame-ancestors 'none'"];
+    let directives = ["connect-src 'self'", "base-uri 'none'", "form-action 'none'", "frame-ancestors 'none'"];
     for directive in directives {
         assert!(policy.split(';').any(|found| found.trim() == directive), "{directive}: {policy}");
     }
@@ -119,8 +108,5 @@ fn every_error_is_json_that_says_what_to_do() {
     let unknown_field = post(&SHARED, "/sessions", r#"{"name": "a", "scenery": "demo:vases"}"#);
     assert_eq!(unknown_field.refusal(), code(400, "badMessage"));
     assert!(unknown_field.text().contains("scenery"), "the field is named: {}", unknown_field.text());
-    assert_eq!(
-        ask_with(&SHARED, "/sessions", &[("authorization", "Basic x")], None).kind,
-        "application/json"
-    );
+    assert_eq!(ask_with(&SHARED, "/sessions", &[("authorization", "Basic x")], None).kind, "application/json");
 }

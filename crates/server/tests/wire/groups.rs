@@ -2,14 +2,13 @@
 
 use serde_json::{Value, json};
 
-use crate::client::{HttpAnswer, get, new_session, post};
+use crate::client::{HttpAnswer, edit, get, new_session, post_edits, set, spot, state};
 use crate::server::SHARED;
 
 fn atomic(session: &str, op_id: &str, commands: &Value) -> HttpAnswer {
     let edits: Vec<Value> =
         commands.as_array().expect("commands").iter().map(|command| json!({"command": command})).collect();
-    let body = json!({"atomic": true, "opId": op_id, "edits": edits});
-    post(&SHARED, &format!("/sessions/{session}/edits"), &body.to_string())
+    post_edits(&SHARED, session, &json!({"atomic": true, "opId": op_id, "edits": edits}))
 }
 
 /// Returns the one result of edits that make one step.
@@ -20,23 +19,11 @@ fn result(answer: &HttpAnswer) -> Value {
     results[0].clone()
 }
 
-fn state(session: &str) -> Value {
-    get(&SHARED, &format!("/sessions/{session}")).json()
-}
-
-fn spot(name: &str) -> Value {
-    json!({"type": "addLight", "light": {"type": "spot", "name": name, "transform": {"translation": [0, 3, 2]}}})
-}
-
-fn set(target: &str, value: impl Into<Value>) -> Value {
-    json!({"type": "set", "target": target, "value": value.into()})
-}
-
 /// Rules: CMD-17, CMD-16, HTTP-6, REC-8, REC-4
 #[test]
 fn edits_are_one_step_where_that_is_asked() {
     new_session(&SHARED, "atomic");
-    let before = state("atomic");
+    let before = state(&SHARED, "atomic");
     let key = &before["document"]["lights"][0]["id"];
     let view = before["document"]["cameras"][0]["camera"].clone();
     let drag = |to: [f64; 2]| {
@@ -60,7 +47,7 @@ fn edits_are_one_step_where_that_is_asked() {
     let outcomes = done["outcomes"].as_array().expect("outcomes");
     let landed: Vec<bool> = outcomes.iter().map(|outcome| outcome["status"] == "landed").collect();
     assert_eq!(landed, [false, false, false, true, false, false], "{outcomes:?}");
-    let after = state("atomic");
+    let after = state(&SHARED, "atomic");
     let light = |id: &Value| {
         let lights = after["document"]["lights"].as_array().expect("lights").clone();
         lights.into_iter().find(|light| light["id"] == *id).expect("that light")["light"].clone()
@@ -68,12 +55,10 @@ fn edits_are_one_step_where_that_is_asked() {
     assert_eq!((&light(&rim)["exposure"], &light(key)["type"]), (&json!(2.0), &json!("bendy")));
     assert_eq!(result(&atomic("atomic", "group", &commands)), done, "the same operation again");
 
-    let undo = json!({"edits": [{"undo": "mine"}, {"redo": "mine"}, {"undo": "mine"}]}).to_string();
-    let undone = post(&SHARED, "/sessions/atomic/edits", &undo).json();
+    let undo = json!({"edits": [{"undo": "mine"}, {"redo": "mine"}, {"undo": "mine"}]});
+    let undone = edit(&SHARED, "atomic", &undo);
     assert_eq!(undone["hash"], before["hash"]);
-    assert!(
-        undone["results"].as_array().expect("results").iter().all(|result| result["status"] == "committed")
-    );
+    assert!(undone["results"].as_array().expect("results").iter().all(|result| result["status"] == "committed"));
     // The record has ids instead of names, and each drag's outcome.
     let log = get(&SHARED, "/sessions/atomic/log?from=2&limit=1").text().to_owned();
     let record: Value = serde_json::from_str(&log).expect("a record");
@@ -89,17 +74,13 @@ fn edits_are_one_step_where_that_is_asked() {
 #[test]
 fn where_one_edit_is_refused_none_is_done() {
     new_session(&SHARED, "all-or-none");
-    let (before, good) = (state("all-or-none"), set("/lights/key/exposure", 1));
+    let (before, good) = (state(&SHARED, "all-or-none"), set("/lights/key/exposure", 1));
     let refused = [
         (json!([good, set("/lights/key/coneSoftness", 7)]), "invalidLight", "edit 2 of the group: "),
         (json!([set("/lights/nobody/exposure", 1), good]), "notFound", "edit 1 of the group: "),
         (json!([good, good, set("/lights/key/shine", 1)]), "badMessage", "edit 3 of the group: "),
         (json!([good, {"type": "loadScene", "scene": "demo:vases"}]), "badMessage", "request of its own"),
-        (
-            json!([good, {"type": "removePoint", "light": 1, "point": 400}]),
-            "notFound",
-            "edit 2 of the group: ",
-        ),
+        (json!([good, {"type": "removePoint", "light": 1, "point": 400}]), "notFound", "edit 2 of the group: "),
     ];
     for (number, (commands, code, said)) in refused.iter().enumerate() {
         let result = result(&atomic("all-or-none", &format!("refused {number}"), commands));
@@ -112,15 +93,14 @@ fn where_one_edit_is_refused_none_is_done() {
         json!({"atomic": true, "edits": [{}]}),
     ];
     for body in ill {
-        let answer = post(&SHARED, "/sessions/all-or-none/edits", &body.to_string());
+        let answer = post_edits(&SHARED, "all-or-none", &body);
         assert_eq!(result(&answer)["code"], "badMessage", "{body}");
     }
     let many: Vec<Value> = (0..257).map(|_| good.clone()).collect();
     assert_eq!(atomic("all-or-none", "many", &json!(many)).refusal(), (413, "tooLarge".into()));
-    let named = json!({"opId": "one", "edits": [{"command": good}]}).to_string();
-    assert_eq!(post(&SHARED, "/sessions/all-or-none/edits", &named).refusal(), (400, "badMessage".into()));
-    assert_eq!(state("all-or-none")["hash"], before["hash"]);
+    let named = json!({"opId": "one", "edits": [{"command": good}]});
+    assert_eq!(post_edits(&SHARED, "all-or-none", &named).refusal(), (400, "badMessage".into()));
+    assert_eq!(state(&SHARED, "all-or-none")["hash"], before["hash"]);
     let one_by_one = json!({"edits": [{"command": good}, {"command": set("/lights/key/coneSoftness", 7)}]});
-    let answer = post(&SHARED, "/sessions/all-or-none/edits", &one_by_one.to_string());
-    assert_ne!(answer.json()["hash"], before["hash"]);
+    assert_ne!(edit(&SHARED, "all-or-none", &one_by_one)["hash"], before["hash"]);
 }

@@ -2,17 +2,14 @@
 
 use protocol::{ClientMessage, GestureStatus, ServerMessage};
 
-use crate::client::{Client, ReceivedMessage, hello};
+use crate::client::{Client, hello};
 use crate::server::{OwnServer, SHARED};
 
 /// Returns the code of a fatal error, after which the socket is closed.
 async fn fatal(client: &mut Client) -> String {
-    let ReceivedMessage::Control(ServerMessage::Error { code, fatal: true, message }) = client.next().await
-    else {
-        panic!("no fatal error")
-    };
+    let (code, message) = client.fatal_error().await;
     assert!(message.len() > 20, "{message}");
-    assert!(matches!(client.next().await, ReceivedMessage::End), "the socket stays open");
+    assert!(client.next().await.is_none(), "the socket stays open");
     code.name().into()
 }
 
@@ -20,9 +17,8 @@ async fn fatal(client: &mut Client) -> String {
 #[tokio::test]
 async fn a_hello_that_does_not_fit_is_answered_and_the_socket_closed() {
     let token = SHARED.token.as_str();
-    let other_protocol = serde_json::to_string(&hello(token, "main", "Ada")).unwrap();
-    let other_protocol = other_protocol.replace("\"protocol\":1", "\"protocol\":2");
     let text = |message: &ClientMessage| serde_json::to_string(message).unwrap();
+    let other_protocol = text(&hello(token, "main", "Ada")).replace("\"protocol\":1", "\"protocol\":2");
     let cases = [
         (text(&hello("0123456789abcdef0123456789abcdef", "main", "Ada")), "unauthorized"),
         (text(&hello("", "main", "Ada")), "unauthorized"),
@@ -47,12 +43,8 @@ async fn hello_and_gestures_have_their_time() {
     let own = OwnServer::start().await;
     let (mut client, welcome) = Client::join(&own.door, "main", "Ada").await;
     let mut silent = Client::connect(&own.door).await;
-    let begin = ClientMessage::GestureBegin { gesture: "g".into(), light: 1, base_seq: welcome.seq };
-    client.say(&begin).await;
-    let status = |came| match came {
-        ReceivedMessage::Control(ServerMessage::GestureState(state)) => Some(state.status),
-        _ => None,
-    };
+    client.say(&ClientMessage::GestureBegin { gesture: "g".into(), light: 1, base_seq: welcome.seq }).await;
+    let status = |message| if let ServerMessage::GestureState(state) = message { Some(state.status) } else { None };
     assert_eq!(client.until(status).await, GestureStatus::Held { refused: None });
     // From here on time advances once everybody waits.
     tokio::time::pause();
@@ -64,7 +56,7 @@ async fn hello_and_gestures_have_their_time() {
 
 /// Rules: SOCK-6
 #[tokio::test]
-async fn what_cannot_be_read_is_named_and_the_connection_goes_on() {
+async fn an_unreadable_message_is_named_and_the_connection_goes_on() {
     let (mut client, _) = Client::join(&SHARED, "main", "Eve").await;
     let texts = [
         ("{", "JSON"),
@@ -74,24 +66,19 @@ async fn what_cannot_be_read_is_named_and_the_connection_goes_on() {
     ];
     for (text, named) in texts {
         client.say_text(text).await;
-        let problem = client.until(complaint).await;
-        assert_eq!(problem.0, "badMessage", "{text}");
-        assert!(problem.1.contains(named), "{text}: {}", problem.1);
+        let (code, message) = client.until(complaint).await;
+        assert!(code == "badMessage" && message.contains(named), "{text}: {code}: {message}");
     }
     client.say_bytes(vec![1, 2, 3]).await;
     assert_eq!(client.until(complaint).await.0, "badMessage");
     client.say(&ClientMessage::Ping { sent: 7.5 }).await;
-    let pong =
-        |came| matches!(came, ReceivedMessage::Control(ServerMessage::Pong { sent: 7.5, .. })).then_some(());
-    client.until(pong).await;
+    client.until(|message| matches!(message, ServerMessage::Pong { sent: 7.5, .. }).then_some(())).await;
 }
 
 /// Returns the code and message of an error that is not fatal.
-pub fn complaint(came: ReceivedMessage) -> Option<(String, String)> {
-    match came {
-        ReceivedMessage::Control(ServerMessage::Error { code, message, fatal: false }) => {
-            Some((code.name().into(), message))
-        }
+pub fn complaint(message: ServerMessage) -> Option<(String, String)> {
+    match message {
+        ServerMessage::Error { code, message, fatal: false } => Some((code.name().into(), message)),
         _ => None,
     }
 }

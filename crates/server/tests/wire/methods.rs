@@ -48,11 +48,7 @@ fn a_known_address_says_which_methods_it_takes() {
     }
     for path in ["/nowhere", "/sessions/main/edit", "/sessions/", "/assets/nothing.js", "/index.htm"] {
         for method in METHODS {
-            assert_eq!(
-                send(&SHARED, method, path, &[("authorization", &bearer)], b"").status,
-                404,
-                "{method} {path}"
-            );
+            assert_eq!(send(&SHARED, method, path, &[("authorization", &bearer)], b"").status, 404, "{method} {path}");
         }
     }
 }
@@ -64,11 +60,7 @@ fn head_is_answered_as_get_is_but_for_the_body() {
     for path in ["/healthz", "/sessions", "/sessions/main", "/sessions/nowhere", "/openapi.json", "/"] {
         let head = send(&SHARED, "HEAD", path, &[("authorization", &bearer)], b"");
         let full = get(&SHARED, path);
-        assert_eq!(
-            (head.status, head.kind.as_str(), head.body.len()),
-            (full.status, full.kind.as_str(), 0),
-            "{path}"
-        );
+        assert_eq!((head.status, head.kind.as_str(), head.body.len()), (full.status, full.kind.as_str(), 0), "{path}");
     }
 }
 
@@ -91,10 +83,7 @@ fn a_body_that_is_not_json_is_refused_for_its_type() {
             let answer = send(&SHARED, "POST", path, &headers, session);
             assert_eq!(answer.refusal(), (415, "unsupportedMediaType".into()), "{path} {kind}");
             let sentence = answer.text();
-            assert!(
-                sentence.contains(kind) && sentence.contains("Content-Type: application/json"),
-                "{sentence}"
-            );
+            assert!(sentence.contains(kind) && sentence.contains("Content-Type: application/json"), "{sentence}");
         }
     }
     assert_eq!(get(&SHARED, "/sessions/of-a-type").status, 404, "none of them made the session");

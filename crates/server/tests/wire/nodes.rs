@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::client::{ask_with, bearer, get, post};
-use crate::server::{SHARED, ServerDoor};
+use crate::client::{add_asset, get, make_session, new_session, results_of, set, state};
+use crate::server::SHARED;
 
 /// Returns a triangle in three nodes, two of one name under another node, and a node without geometry.
 fn scene() -> Vec<u8> {
@@ -18,24 +18,14 @@ fn scene() -> Vec<u8> {
     file.to_string().into_bytes()
 }
 
-fn edited(door: &ServerDoor, session: &str, edit: &Value) -> Value {
-    let answer = post(door, &format!("/sessions/{session}/edits"), &json!({"edits": [edit]}).to_string());
-    assert_eq!(answer.status, 200, "{}", answer.text());
-    answer.json()["results"][0].take()
-}
-
 /// Rules: HTTP-20, LINK-1
 #[test]
 fn a_session_tells_the_nodes_of_its_scene() {
     let door = &SHARED;
-    let sent = ask_with(door, "/assets", &[("authorization", &bearer(door))], Some(&scene()));
-    assert_eq!(sent.status, 201, "{}", sent.text());
-    let asset = sent.json()["asset"].clone();
-    let made = post(door, "/sessions", &json!({"name": "nodes", "scene": asset}).to_string());
-    assert_eq!(made.status, 201, "{}", made.text());
+    make_session(door, &json!({"name": "nodes", "scene": add_asset(door, "", &scene())["asset"]}));
     let paths = json!(["room", "room/a~1b", "room/a~1b#2", "node 4"]);
     assert_eq!(get(door, "/sessions/nodes/nodes").json(), json!({"paths": paths, "leftOut": 0}));
-    assert_eq!(post(door, "/sessions", &json!({"name": "no-nodes"}).to_string()).status, 201);
+    make_session(door, &json!({"name": "no-nodes"}));
     assert_eq!(get(door, "/sessions/no-nodes/nodes").json(), json!({"paths": [], "leftOut": 0}));
     assert_eq!(get(door, "/sessions/nobody/nodes").status, 404);
 }
@@ -46,22 +36,20 @@ fn a_session_tells_the_nodes_of_its_scene() {
 #[test]
 fn links_are_edited_as_any_parameter() {
     let (door, session) = (&SHARED, "links");
-    let made = post(door, "/sessions", &json!({"name": session, "scene": "demo:vases"}).to_string());
-    assert_eq!(made.status, 201, "{}", made.text());
-    let state = || get(door, &format!("/sessions/{session}")).json();
+    new_session(door, session);
+    let state = || state(door, session);
     let light = || state()["document"]["lights"][0]["light"].take();
     let before = state()["hash"].clone();
-    let set = |target: &str, value: Value| {
-        edited(door, session, &json!({"command": {"type": "set", "target": target, "value": value}}))
-    };
+    let edited = |edit: Value| results_of(door, session, &json!([edit])).remove(0);
+    let set = |target: &str, value: Value| edited(json!({"command": set(target, value)}));
     let links = json!({"include": ["blue vase", "attic/chair"], "exclude": ["blue vase"]});
     assert_eq!(set("/lights/1/lightLink", links)["status"], "committed");
     let sorted = json!({"include": ["attic/chair", "blue vase"], "exclude": ["blue vase"]});
     assert_eq!(light()["lightLink"], sorted);
     let linked = state()["hash"].clone();
-    assert_eq!(edited(door, session, &json!({"undo": "mine"}))["status"], "committed");
+    assert_eq!(edited(json!({"undo": "mine"}))["status"], "committed");
     assert_eq!((&light()["lightLink"], &state()["hash"]), (&Value::Null, &before));
-    assert_eq!(edited(door, session, &json!({"redo": "mine"}))["status"], "committed");
+    assert_eq!(edited(json!({"redo": "mine"}))["status"], "committed");
     assert_eq!(state()["hash"], linked);
     assert_eq!(set("/lights/1/lightLink", json!({}))["status"], "committed");
     assert_eq!(state()["hash"], before, "empty lists are none");

@@ -6,50 +6,30 @@ use protocol::{
 };
 use rusqlite::{Connection, TransactionBehavior};
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
-use crate::client::{Client, ReceivedMessage, get, new_session, post};
+use crate::client::{Client, edit, get, make_session, metric, new_session, post_edits, state};
 use crate::server::{OwnServer, SHARED, ServerDoor};
 
+/// Carries out edits of Ada's.
 fn edits(door: &ServerDoor, session: &str, edits: &Value) -> Value {
-    let body = json!({"actor": {"id": "ada", "name": "Ada"}, "edits": edits}).to_string();
-    let answer = post(door, &format!("/sessions/{session}/edits"), &body);
-    assert_eq!(answer.status, 200, "{}", answer.text());
-    answer.json()
+    edit(door, session, &json!({"actor": {"id": "ada", "name": "Ada"}, "edits": edits}))
+}
+
+fn all_are_committed(answer: &Value) -> bool {
+    answer["results"].as_array().expect("results").iter().all(|result| result["status"] == "committed")
 }
 
 fn cone_angle(degrees: f64) -> Command {
     Command::SetLight { light: 1, parameter: CONE_ANGLE.to(degrees).into() }
 }
 
-/// Stops a server and returns its folder.
-async fn stopped(own: OwnServer) -> TempDir {
-    let (folder, served) = own.stop();
-    served.await.expect("it ends").expect("well");
-    folder
-}
-
-async fn result(client: &mut Client, op_id: &str) -> Outcome {
-    let answer = |came| match came {
-        ReceivedMessage::Control(ServerMessage::EditResult(result)) if result.op_id == op_id => {
-            Some(result.outcome)
-        }
-        _ => None,
-    };
-    client.until(answer).await
-}
-
-async fn edit(client: &mut Client, op_id: &str, base_seq: u64, command: Command) -> Outcome {
-    client.say(&ClientMessage::Edit { op_id: op_id.into(), base_seq, command }).await;
-    result(client, op_id).await
+async fn edited(client: &mut Client, op_id: &str, base_seq: u64, command: Command) -> Outcome {
+    client.say_edit(op_id, base_seq, command).await;
+    client.outcome(op_id).await
 }
 
 fn committed(seq: u64) -> Outcome {
     Outcome::Committed(Committed { seq, ..Committed::default() })
-}
-
-fn has_ended(state: &GestureState) -> bool {
-    !matches!(state.status, GestureStatus::Held { .. })
 }
 
 /// Rules: REC-4, SOCK-5
@@ -59,41 +39,39 @@ async fn an_operation_that_comes_again_gets_its_first_answer() {
     let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
     let (mut ben, _) = Client::join(&own.door, "main", "Ben").await;
     let known = welcome.seq;
-    let theirs = edit(&mut ben, "x", known, cone_angle(30.0)).await;
+    let theirs = edited(&mut ben, "x", known, cone_angle(30.0)).await;
     assert_eq!(theirs, committed(known + 1));
-    let rebased = edit(&mut ada, "x", known, cone_angle(31.0)).await;
+    let rebased = edited(&mut ada, "x", known, cone_angle(31.0)).await;
     let expected = Committed { seq: known + 2, rebased: true, ..Committed::default() };
     assert_eq!(rebased, Outcome::Committed(expected), "another actor's x");
-    let folded = edit(&mut ada, "y", known, cone_angle(95.0)).await;
+    let folded = edited(&mut ada, "y", known, cone_angle(95.0)).await;
     assert!(matches!(&folded, Outcome::Rejected(problem) if problem.code == ErrorCode::InvalidLight));
     ada.say(&ClientMessage::Undo { op_id: "z".into(), scope: Scope::Mine }).await;
-    let undone = result(&mut ada, "z").await;
+    let undone = ada.outcome("z").await;
     assert_eq!(undone.seq(), Some(known + 3));
     let first = [rebased, folded, undone];
 
-    let folder = stopped(own).await;
-    let own = OwnServer::start_in(folder).await;
+    let own = OwnServer::start_in(own.stopped().await).await;
     let (mut ada, _) = Client::join(&own.door, "main", "Ada").await;
     // The same ids with commands that would be carried out now.
     for (op_id, expected) in ["x", "y", "z"].into_iter().zip(first) {
-        assert_eq!(edit(&mut ada, op_id, known + 3, cone_angle(40.0)).await, expected);
+        assert_eq!(edited(&mut ada, op_id, known + 3, cone_angle(40.0)).await, expected);
     }
-    let fresh = edit(&mut ada, "w", known + 3, cone_angle(40.0)).await;
+    let fresh = edited(&mut ada, "w", known + 3, cone_angle(40.0)).await;
     assert_eq!(fresh.seq(), Some(known + 4), "nothing was carried out twice");
-    stopped(own).await;
+    own.stopped().await;
 }
 
 /// A page and a script of a person are one actor, whatever the name. Without the token a named actor has no access.
 ///
 /// Rules: WHO-1, UNDO-1
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn what_is_mine_is_what_the_named_actor_did_under_the_token() {
+async fn mine_are_the_steps_of_the_named_actor_under_the_token() {
     let own = OwnServer::start().await;
     let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
-    assert_eq!(edit(&mut ada, "x", welcome.seq, cone_angle(30.0)).await, committed(welcome.seq + 1));
+    assert_eq!(edited(&mut ada, "x", welcome.seq, cone_angle(30.0)).await, committed(welcome.seq + 1));
     let undo = |door: &ServerDoor, actor: Value| {
-        let body = json!({"actor": actor, "edits": [{"undo": "mine"}]}).to_string();
-        post(door, "/sessions/main/edits", &body)
+        post_edits(door, "main", &json!({"actor": actor, "edits": [{"undo": "mine"}]}))
     };
     let anonymous = ServerDoor { token: "0".repeat(32), ..own.door.clone() };
     let the_same = json!({"id": "ada", "name": "Ada's script"});
@@ -102,25 +80,15 @@ async fn what_is_mine_is_what_the_named_actor_did_under_the_token() {
     assert_eq!(by_ben["results"][0]["code"], "nothingToUndo", "a name is not who somebody is");
     let by_ada = undo(&own.door, the_same).json();
     assert_eq!(by_ada["results"][0]["seq"], welcome.seq + 2);
-    stopped(own).await;
+    own.stopped().await;
 }
 
 /// Rules: REC-4, HTTP-6
 #[test]
 fn an_operation_twice_in_one_request_is_carried_out_once() {
     new_session(&SHARED, "twice");
-    let edit = |op: &str, command: Value| json!({"opId": op, "command": command});
-    let angle = |degrees: f64| json!({"type": "setLight", "light": 1, "parameter": {"coneAngle": degrees}});
-    let answer = edits(
-        &SHARED,
-        "twice",
-        &json!([
-            edit("a", angle(20.0)),
-            edit("a", angle(21.0)),
-            edit("b", angle(95.0)),
-            edit("b", angle(22.0))
-        ]),
-    );
+    let angle = |(op, degrees): (&str, f64)| json!({"opId": op, "command": {"type": "setLight", "light": 1, "parameter": {"coneAngle": degrees}}});
+    let answer = edits(&SHARED, "twice", &json!([("a", 20.0), ("a", 21.0), ("b", 95.0), ("b", 22.0)].map(angle)));
     let results = &answer["results"];
     assert_eq!((&results[0], &results[2]), (&results[1], &results[3]));
     assert_eq!((results[0]["seq"].as_u64(), results[2]["code"].as_str()), (Some(2), Some("invalidLight")));
@@ -131,9 +99,8 @@ fn an_operation_twice_in_one_request_is_carried_out_once() {
 ///
 /// Rules: REC-4, HTTP-11
 #[test]
-fn what_a_limit_refused_may_be_sent_again() {
-    let made = post(&SHARED, "/sessions", r#"{"name": "full"}"#);
-    assert_eq!(made.status, 201);
+fn an_operation_that_a_limit_refused_may_be_sent_again() {
+    make_session(&SHARED, &json!({"name": "full"}));
     let add = json!({"type": "addLight", "light": {"type": "spot"}});
     let lights: Vec<Value> = (0..257).map(|n| json!({"opId": n.to_string(), "command": add})).collect();
     let answer = edits(&SHARED, "full", &lights.into());
@@ -155,11 +122,7 @@ fn what_a_limit_refused_may_be_sent_again() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn large_edits_of_one_request_are_committed_in_parts() {
     let own = OwnServer::start().await;
-    let commits = |door: &ServerDoor| -> u64 {
-        let text = get(door, "/metrics").text().to_owned();
-        let count = text.lines().find_map(|line| line.strip_prefix("bendylights_commit_seconds_count "));
-        count.expect("it is counted").parse().expect("a number")
-    };
+    let commits = |door: &ServerDoor| metric(door, "bendylights_commit_seconds_count").expect("it is counted");
     let add = json!({"command": {"type": "addLight", "light": {"type": "spot"}}});
     let before = commits(&own.door);
     edits(&own.door, "main", &vec![add; 255].into());
@@ -167,41 +130,39 @@ async fn large_edits_of_one_request_are_committed_in_parts() {
     let turn = [json!({"command": {"type": "loadScene", "scene": "demo:vases"}}), json!({"undo": "mine"})];
     let turns: Vec<Value> = turn.into_iter().cycle().take(64).collect();
     let answer = edits(&own.door, "main", &turns.into());
-    assert!(answer["results"].as_array().expect("a list").iter().all(|r| r["status"] == "committed"));
+    assert!(all_are_committed(&answer));
     let large = commits(&own.door) - before - small;
     // 64 records of 258 changes and more: eight fill a tick. A checkpoint is no commit of records.
-    assert!(small <= 2 && large >= 8, "{small} for 255 small edits, {large} for 64 large ones");
-    stopped(own).await;
+    assert!(small <= 2.0 && large >= 8.0, "{small} for 255 small edits, {large} for 64 large ones");
+    own.stopped().await;
 }
 
 /// Rules: UNDO-1, UNDO-4, LOG-5
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn undo_reaches_past_a_checkpoint_and_a_restart() {
     let own = OwnServer::start().await;
-    let hash = |door: &ServerDoor| get(door, "/sessions/main").json()["hash"].as_str().map(str::to_owned);
+    let hash = |door: &ServerDoor| state(door, "main")["hash"].clone();
     let before = hash(&own.door);
     let step = |n: u32| json!({"command": {"type": "setLight", "light": 1, "parameter": {"coneAngle": 20.0 + f64::from(n % 30)}}});
     for part in 0..2 {
         let part: Vec<Value> = (0..600).map(|n| step(600 * part + n)).collect();
         edits(&own.door, "main", &part.into());
     }
-    let folder = stopped(own).await;
+    let folder = own.stopped().await;
     let database = Connection::open(folder.path().join("bendylights.sqlite")).expect("a database");
-    let seq: u64 =
-        database.query_row("SELECT seq FROM checkpoint", [], |row| row.get(0)).expect("a checkpoint");
+    let seq: u64 = database.query_row("SELECT seq FROM checkpoint", [], |row| row.get(0)).expect("a checkpoint");
     assert!((1_000..1_201).contains(&seq), "{seq}");
     drop(database);
 
     let own = OwnServer::start_in(folder).await;
     let undo: Vec<Value> = (0..600).map(|_| json!({"undo": "mine"})).collect();
     for _ in 0..2 {
-        let answer = edits(&own.door, "main", &undo.clone().into());
-        assert!(answer["results"].as_array().expect("a list").iter().all(|r| r["status"] == "committed"));
+        assert!(all_are_committed(&edits(&own.door, "main", &undo.clone().into())));
     }
     assert_eq!(hash(&own.door), before);
     let nothing = edits(&own.door, "main", &json!([{"undo": "mine"}]));
     assert_eq!(nothing["results"][0]["code"], "nothingToUndo");
-    stopped(own).await;
+    own.stopped().await;
 }
 
 /// Another program locks the database while a drag is committed. The server waits ten seconds and gives up.
@@ -216,33 +177,34 @@ async fn a_drag_that_the_disk_refuses_frees_its_light() {
     let gesture = || "drag".to_owned();
     ada.say(&ClientMessage::GestureBegin { gesture: gesture(), light: 1, base_seq }).await;
     ada.say(&ClientMessage::GestureUpdate { gesture: gesture(), update: 1, command: cone_angle(40.0) }).await;
-    let state = |came: ReceivedMessage| match came {
-        ReceivedMessage::Control(ServerMessage::GestureState(state)) if state.update == 1 => Some(state),
+    let updated = |message| match message {
+        ServerMessage::GestureState(state) if state.update == 1 => Some(state),
         _ => None,
     };
-    let dragged: GestureState = ben.until(state).await;
+    let dragged = ben.until(updated).await;
     assert_eq!(dragged.status, GestureStatus::Held { refused: None });
 
     let path = own.folder.path().join("bendylights.sqlite");
     let mut other = Connection::open(path).expect("a database");
-    let held = other.transaction_with_behavior(TransactionBehavior::Immediate).expect("it is free");
+    let lock = other.transaction_with_behavior(TransactionBehavior::Immediate).expect("it is free");
     ada.say(&ClientMessage::GestureCommit { gesture: gesture(), op_id: "commit".into() }).await;
     for client in [&mut ada, &mut ben] {
-        let ended = client.until(|came| state(came).filter(has_ended)).await;
+        let has_ended = |state: &GestureState| !matches!(state.status, GestureStatus::Held { .. });
+        let ended = client.until(|message| updated(message).filter(has_ended)).await;
         let GestureStatus::Rejected(problem) = ended.status else { panic!("{ended:?}") };
         assert_eq!((problem.code, ended.changes), (ErrorCode::Storage, Vec::new()));
     }
-    let refused = result(&mut ada, "commit").await;
+    let refused = ada.outcome("commit").await;
     let Outcome::Rejected(problem) = refused else { panic!("{refused:?}") };
     assert_eq!(problem.code, ErrorCode::Storage);
     assert!(problem.message.contains("cannot write"));
-    held.rollback().expect("let go");
+    lock.rollback().expect("let go");
 
-    let free = edit(&mut ben, "mine", base_seq, cone_angle(41.0)).await;
+    let free = edited(&mut ben, "mine", base_seq, cone_angle(41.0)).await;
     assert_eq!(free, committed(base_seq + 1), "the light is free");
-    let again = edit(&mut ada, "commit", base_seq + 1, cone_angle(40.0)).await;
+    let again = edited(&mut ada, "commit", base_seq + 1, cone_angle(40.0)).await;
     assert_eq!(again.seq(), Some(base_seq + 2), "what the disk refused is no answer for good");
-    stopped(own).await;
+    own.stopped().await;
 }
 
 /// Earlier operations cannot be read, so it is unknown if this one is in the log.
@@ -252,27 +214,26 @@ async fn a_drag_that_the_disk_refuses_frees_its_light() {
 async fn an_operation_that_may_have_come_before_is_not_called_refused() {
     let own = OwnServer::start().await;
     let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
-    let first = edit(&mut ada, "x", welcome.seq, cone_angle(30.0)).await;
+    let first = edited(&mut ada, "x", welcome.seq, cone_angle(30.0)).await;
     assert_eq!(first, committed(welcome.seq + 1));
     let database = Connection::open(own.folder.path().join("bendylights.sqlite")).expect("a database");
     let rename = |from: &str, to: &str| {
         database.execute_batch(&format!("ALTER TABLE {from} RENAME TO {to}")).expect("a planted fault");
     };
     rename("rejection", "lost");
-    let fresh = edit(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
+    let fresh = edited(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
     assert!(matches!(fresh, Outcome::Unknown(problem) if problem.code == ErrorCode::UnknownOutcome));
     rename("lost", "rejection");
-    let again = edit(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
+    let again = edited(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
     assert_eq!(again.seq(), Some(welcome.seq + 2), "and it may be sent again");
-    assert_eq!(edit(&mut ada, "x", welcome.seq + 2, cone_angle(32.0)).await, first);
-    stopped(own).await;
+    assert_eq!(edited(&mut ada, "x", welcome.seq + 2, cone_angle(32.0)).await, first);
+    own.stopped().await;
 }
 
 /// Rules: HTTP-3, LOG-3
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_damaged_asset_is_not_called_absent() {
-    let own = OwnServer::start().await;
-    let folder = stopped(own).await;
+    let folder = OwnServer::start().await.stopped().await;
     let assets = std::fs::read_dir(folder.path().join("assets")).expect("a folder");
     let asset = assets.map(|file| file.expect("a file").path()).next().expect("the demo's");
     let bytes = std::fs::read(&asset).expect("bytes");
@@ -284,5 +245,5 @@ async fn a_damaged_asset_is_not_called_absent() {
     assert_eq!(refusal(&own.door), (404, "unknownAsset".into()));
     std::fs::write(&asset, bytes).expect("mended");
     assert_eq!(get(&own.door, "/sessions/main").status, 200);
-    stopped(own).await;
+    own.stopped().await;
 }

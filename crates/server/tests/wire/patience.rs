@@ -2,29 +2,22 @@
 
 use std::time::Duration;
 
-use serde_json::json;
+use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::{TcpSocket, TcpStream};
-use tokio::task::spawn_blocking;
+use tokio::net::TcpStream;
 use tokio::time::{Instant, pause, sleep, timeout};
 
-use crate::client::{Client, HttpAnswer, ask_with, get, post};
+use crate::client::{
+    Client, add_asset, connect_with_buffer, edit, get, head_of, insert_and_remove_point, large_light, make_session,
+    on_thread, send_raw,
+};
 use crate::server::{OwnServer, ServerDoor};
 
 const SCENE: &[u8] = br#"{"asset": {"version": "2.0"}}"#;
 
-/// Returns the head of a request, with the token.
+/// Returns the head of a request, with the token and the length of its body.
 fn head(door: &ServerDoor, request: &str, length: usize) -> String {
-    let ServerDoor { address, token } = door;
-    format!(
-        "{request} HTTP/1.1\r\nHost: {address}\r\nAuthorization: Bearer {token}\r\nContent-Length: {length}\r\n\r\n"
-    )
-}
-
-async fn send(door: &ServerDoor, text: &str) -> TcpStream {
-    let mut stream = TcpStream::connect(door.address).await.unwrap();
-    stream.write_all(text.as_bytes()).await.unwrap();
-    stream
+    head_of(door, request, &format!("Content-Length: {length}"))
 }
 
 /// Returns everything that arrives until the server closes, and the time until then. Fails if it does not close.
@@ -36,35 +29,20 @@ async fn rest(stream: &mut TcpStream) -> (String, Duration) {
     (String::from_utf8(text).unwrap(), began.elapsed())
 }
 
-/// Asks on another thread, since the server runs on this one.
-async fn on_thread(
-    door: &ServerDoor,
-    ask: impl FnOnce(&ServerDoor) -> HttpAnswer + Send + 'static,
-) -> HttpAnswer {
-    let door = door.clone();
-    spawn_blocking(move || ask(&door)).await.unwrap()
-}
-
-fn upload(door: &ServerDoor) -> HttpAnswer {
-    ask_with(door, "/assets", &[("authorization", &format!("Bearer {}", door.token))], Some(SCENE))
-}
-
 /// Rules: HTTP-14
 #[tokio::test]
 async fn stalled_requests_keep_nobody_out_and_are_cut_off() {
     let own = OwnServer::start().await;
     let door = &own.door;
     let mut stalled = Vec::new();
-    for _ in 0..3 {
-        stalled.push(send(door, &(head(door, "POST /assets", 1_000) + "{")).await);
+    for (request, count) in [("POST /assets", 3), ("POST /sessions", 70)] {
+        for _ in 0..count {
+            stalled.push(send_raw(door, head(door, request, 1_000) + "{").await);
+        }
     }
-    for _ in 0..70 {
-        stalled.push(send(door, &(head(door, "POST /sessions", 1_000) + "{")).await);
-    }
-    let half_a_head = send(door, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n").await;
-    let nothing = send(door, "").await;
-    let sent = on_thread(door, upload).await;
-    assert_eq!(sent.status, 201, "{}", sent.text());
+    let half_a_head = send_raw(door, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n").await;
+    let nothing = send_raw(door, "").await;
+    on_thread(door, |door| add_asset(door, "", SCENE)).await;
     let listed = on_thread(door, |door| get(door, "/sessions")).await;
     assert_eq!(listed.status, 200, "{}", listed.text());
 
@@ -86,7 +64,7 @@ async fn stalled_requests_keep_nobody_out_and_are_cut_off() {
 async fn a_slow_upload_finishes() {
     let own = OwnServer::start().await;
     let door = &own.door;
-    let mut slow = send(door, &head(door, "POST /assets", SCENE.len())).await;
+    let mut slow = send_raw(door, head(door, "POST /assets", SCENE.len())).await;
     pause();
     let began = Instant::now();
     for byte in SCENE {
@@ -101,41 +79,25 @@ async fn a_slow_upload_finishes() {
 
 /// Rules: HTTP-14, SOCK-10
 #[tokio::test]
-async fn who_takes_nothing_is_cut_off() {
+async fn a_client_that_takes_nothing_is_cut_off() {
     let own = OwnServer::start().await;
     let door = &own.door;
-    // Records of 40 kB, because of their digits. 16 MB are more than the system buffers for this connection.
-    let third = 1.0 / 3.0;
-    let points: Vec<[f64; 3]> = (0..200).map(|k| [0.0, 0.0, -third * f64::from(k)]).collect();
-    let (numbers, colors) = ([third; 200].to_vec(), [[third; 3]; 200].to_vec());
-    let light = json!({"type": "bendy", "points": points, "radii": numbers, "colors": colors, "intensities": numbers});
-    let mut edits = vec![json!({"command": {"type": "addLight", "light": light}})];
-    for _ in 0..200 {
-        edits.push(json!({"command": {"type": "insertPoint", "light": 1, "point": 100}}));
-        edits.push(json!({"command": {"type": "removePoint", "light": 1, "point": 100}}));
-    }
-    let made = on_thread(door, |door| post(door, "/sessions", r#"{"name": "long"}"#));
-    assert_eq!(made.await.status, 201);
-    let (client, _) = Client::join_with_small_buffers(door, "long", "Ada").await;
-    let edited = on_thread(door, move |door| {
-        post(door, "/sessions/long/edits", &json!({ "edits": edits }).to_string())
-    });
-    assert_eq!(edited.await.status, 200);
+    // 16 MB of records are more than the system buffers for this connection.
+    let pairs = insert_and_remove_point().into_iter().cycle().take(400);
+    let commands = std::iter::once(large_light()).chain(pairs);
+    let edits: Vec<Value> = commands.map(|command| json!({ "command": command })).collect();
+    on_thread(door, |door| make_session(door, &json!({"name": "long"}))).await;
+    let (client, _) =
+        Client::connect_with_small_buffers(door).await.greet(door, "long", "Ada").await.expect("a welcome");
+    on_thread(door, move |door| edit(door, "long", &json!({ "edits": edits }))).await;
     let log = on_thread(door, |door| get(door, "/sessions/long/log")).await.body;
     assert!(log.len() > 12 << 20, "{} bytes", log.len());
 
-    let socket = TcpSocket::new_v4().unwrap();
-    socket.set_recv_buffer_size(64 << 10).unwrap();
-    let mut idle = socket.connect(door.address).await.unwrap();
+    let mut idle = connect_with_buffer(door, 64 << 10).await;
     idle.write_all(head(door, "GET /sessions/long/log", 0).as_bytes()).await.unwrap();
     let clients = async || {
         let list = on_thread(door, |door| get(door, "/sessions")).await.json();
-        list["sessions"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|session| session["clients"].as_u64().unwrap())
-            .sum::<u64>()
+        list["sessions"].as_array().unwrap().iter().map(|session| session["clients"].as_u64().unwrap()).sum::<u64>()
     };
     assert_eq!(clients().await, 1);
     pause();
@@ -155,7 +117,7 @@ async fn silent_connections_keep_nobody_out() {
         sockets.push(Client::connect(&own.door).await);
     }
     for _ in 0..130 {
-        silent.push(send(&own.door, "").await);
+        silent.push(send_raw(&own.door, "").await);
     }
     let (_ada, welcome) = Client::join(&own.door, "main", "Ada").await;
     assert_eq!(welcome.session, "main");

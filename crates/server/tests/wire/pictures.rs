@@ -5,7 +5,7 @@ use protocol::{ClientMessage, Command, Interaction, Reduction, ViewSource};
 use serde_json::json;
 use stream::{Codec, FrameTile};
 
-use crate::client::{Client, get, new_session, post};
+use crate::client::{Client, edit, get, new_session, open_view};
 use crate::server::SHARED;
 
 /// Rules: HTTP-8
@@ -22,7 +22,7 @@ fn a_picture_shows_the_document_as_it_is_or_was() {
     // The first chunk of a PNG has width and height.
     assert_eq!(before[16..24], [0, 0, 0, 64, 0, 0, 0, 36]);
     let dark = json!({"edits": [{"command": {"type": "removeLight", "light": 1}}]});
-    post(&SHARED, "/sessions/pictured/edits", &dark.to_string());
+    edit(&SHARED, "pictured", &dark);
     assert_ne!(picture(""), before, "without its light the picture is another");
     assert_eq!(picture("&at=1"), before);
     assert_eq!(picture("&at=1&camera=camera"), before);
@@ -37,7 +37,7 @@ fn a_picture_shows_the_document_as_it_is_or_was() {
     let wide = json!({"name": "wide", "translation": [0, 2, 5], "rotation": [0, 0, 0, 1],
         "projection": {"perspective": {"yfov": 0.4, "aspectRatio": 2.5, "znear": 0.1}}});
     let add = json!({"edits": [{"command": {"type": "addCamera", "camera": wide}}]});
-    post(&SHARED, "/sessions/pictured/edits", &add.to_string());
+    edit(&SHARED, "pictured", &add);
     assert_eq!([size(""), size("camera=wide")], [[640, 360], [759, 304]]);
 
     let exr = get(&SHARED, "/sessions/pictured/render?size=64x36&aov=depth&format=exr");
@@ -50,47 +50,31 @@ fn a_picture_shows_the_document_as_it_is_or_was() {
 
 /// Rules: FRAME-1, FRAME-3, FRAME-4, FRAME-5, FRAME-7
 #[tokio::test]
-async fn who_follows_sees_the_same_frames() {
+async fn a_follower_sees_the_same_frames() {
     new_session(&SHARED, "followed");
     let (mut ada, welcome) = Client::join(&SHARED, "followed", "Ada").await;
     let (mut bob, _) = Client::join(&SHARED, "followed", "Bob").await;
-    let view = |source| ClientMessage::OpenView {
-        source,
-        width: 64,
-        height: 36,
-        camera_revision: 7,
-        settings: None,
-        interaction: None,
-        stats: false,
-    };
-    ada.say(&view(ViewSource::Own(welcome.camera.clone()))).await;
+    let size = [64, 36];
+    ada.say(&open_view(ViewSource::Own(welcome.camera.clone()), size)).await;
     let (moving, settled) = (ada.frame().await, ada.frame().await);
     assert_eq!((moving.codec, settled.codec), (Codec::Jpeg, Codec::Png));
     assert!(settled.flags.is_settled && moving.flags.is_key && !settled.flags.is_key);
     assert_eq!((settled.log_seq, settled.camera_revision, settled.frame), (1, 7, 2));
 
     // An existing picture is not made again, so its timings are the same.
-    bob.say(&view(ViewSource::Follow(welcome.client))).await;
+    bob.say(&open_view(ViewSource::Follow(welcome.client), size)).await;
     let shared = bob.frame().await;
     assert_eq!((shared.codec, shared.frame), (Codec::Png, 1));
     assert_eq!((shared.render_us, shared.encode_us), (settled.render_us, settled.encode_us));
 
-    let edit = |op_id: &str, parameter| ClientMessage::Edit {
-        op_id: op_id.into(),
-        base_seq: 1,
-        command: Command::SetLight { light: 1, parameter },
-    };
     // A name is not visible, so the next frame is of the edit after it.
-    ada.say(&edit("name", NAME.to("lamp".into()).into())).await;
-    ada.say(&edit("narrow", CONE_ANGLE.to(15.0).into())).await;
+    for (op_id, parameter) in [("name", NAME.to("lamp".into()).into()), ("narrow", CONE_ANGLE.to(15.0).into())] {
+        ada.say_edit(op_id, 1, Command::SetLight { light: 1, parameter }).await;
+    }
     for _ in 0..2 {
         let (hers, his) = (ada.frame().await, bob.frame().await);
         assert_eq!((hers.log_seq, his.log_seq), (3, 3));
-        assert_eq!(
-            (hers.render_us, hers.encode_us),
-            (his.render_us, his.encode_us),
-            "one render, one encoding"
-        );
+        assert_eq!((hers.render_us, hers.encode_us), (his.render_us, his.encode_us), "one render, one encoding");
     }
 }
 
@@ -105,15 +89,8 @@ async fn an_edit_ends_a_lossless_frame_under_way() {
     let (width, height, camera_revision, settings) = (2400, 2000, 1, None);
     let full = Some(Interaction { shadow_map: Reduction::Full, resolution: Reduction::Full });
     let source = ViewSource::Own(welcome.camera.clone());
-    let view = ClientMessage::OpenView {
-        source,
-        width,
-        height,
-        camera_revision,
-        settings,
-        interaction: full,
-        stats: false,
-    };
+    let view =
+        ClientMessage::OpenView { source, width, height, camera_revision, settings, interaction: full, stats: false };
     ada.say(&view).await;
     let moving = ada.frame().await;
     assert_eq!((moving.codec, moving.flags.is_last_tile), (Codec::Jpeg, true));
@@ -121,8 +98,7 @@ async fn an_edit_ends_a_lossless_frame_under_way() {
     assert!(first.flags.is_settled && !first.flags.is_last_tile, "a lossless frame has many tiles");
 
     let parameter = EXPOSURE.to(-1.0).into();
-    let command = Command::SetLight { light: 1, parameter };
-    ada.say(&ClientMessage::Edit { op_id: "dim".into(), base_seq: 1, command }).await;
+    ada.say_edit("dim", 1, Command::SetLight { light: 1, parameter }).await;
     let next = loop {
         let tile = ada.tile().await;
         if tile.frame != first.frame {

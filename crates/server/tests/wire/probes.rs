@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use protocol::{
-    Camera, ClientMessage, Command, ErrorCode, ProbeAnswer, ProbeCamera, ProbeDisabledBy, ProbeState, Probed,
-    ServerMessage, ViewSettings, ViewSource,
+    ClientMessage, Command, ErrorCode, ProbeAnswer, ProbeCamera, ProbeDisabledBy, ProbeState, Probed, ServerMessage,
+    ViewSettings, ViewSource,
 };
 use serde_json::{Value, json};
 
-use crate::client::{Client, HttpAnswer, ReceivedMessage, get, new_session, post};
+use crate::client::{Client, HttpAnswer, make_session, new_session, open_view, post, results_of, state};
 use crate::server::{SHARED, ServerDoor};
 
 /// Pixels of the demo's own picture of 640 x 360: the shadow of the blue vase's neck on the table, and a lit point of
@@ -19,7 +19,7 @@ const LIT: [f64; 2] = [430.5, 310.5];
 const SIZE: [u32; 2] = [640, 360];
 
 fn ask(door: &ServerDoor, session: &str, body: &Value) -> HttpAnswer {
-    post(door, &format!("/sessions/{session}/probe"), &body.to_string())
+    post(door, &format!("/sessions/{session}/probe"), body)
 }
 
 fn found(door: &ServerDoor, session: &str, pixel: [f64; 2]) -> Probed {
@@ -45,7 +45,7 @@ fn a_program_asks_why_a_pixel_is_lit_or_not() {
 
     // By the camera's id, and by the camera itself, which may look elsewhere. Nothing is visible there, which is a
     // valid answer.
-    let document = get(door, &format!("/sessions/{session}")).json()["document"].take();
+    let document = state(door, session)["document"].take();
     let camera = document["cameras"][0].clone();
     for camera in [json!({"id": camera["id"]}), json!({"own": camera["camera"]})] {
         let again = ask(door, session, &json!({"size": SIZE, "pixel": SHADOW, "camera": camera}));
@@ -57,15 +57,15 @@ fn a_program_asks_why_a_pixel_is_lit_or_not() {
     let nothing = ask(door, session, &json!({"size": SIZE, "pixel": SHADOW, "camera": {"own": away}}));
     assert_eq!((nothing.status, nothing.json()), (200, json!({"seen": null, "lights": []})));
     // A session without a scene shows nothing either.
-    assert_eq!(post(door, "/sessions", r#"{"name": "probe-nothing"}"#).status, 201);
+    make_session(door, &json!({"name": "probe-nothing"}));
     assert_eq!(found(door, "probe-nothing", LIT).seen, None);
 }
 
 /// Rules: HTTP-22, HTTP-11, PROBE-1
 #[test]
-fn what_cannot_be_probed_is_refused_in_a_sentence() {
+fn an_invalid_probe_is_refused_in_a_sentence() {
     let (door, session) = (&SHARED, "main");
-    let camera = get(door, "/sessions/main").json()["document"]["cameras"][0]["camera"].take();
+    let camera = state(door, session)["document"]["cameras"][0]["camera"].take();
     let mut flat = camera.clone();
     flat["projection"] = json!({"perspective": {"yfov": 0.0, "znear": 0.1}});
     let cases = [
@@ -95,29 +95,18 @@ fn probe(name: &str, pixel: [f64; 2]) -> ClientMessage {
     ClientMessage::Probe { probe: name.into(), pixel, camera: None, size: None, highlights: false }
 }
 
-async fn answer_to(client: &mut Client, name: &str) -> ProbeAnswer {
-    client
-        .until(|came| match came {
-            ReceivedMessage::Control(ServerMessage::Probed(answer)) if answer.probe == name => Some(*answer),
-            _ => None,
-        })
-        .await
+/// Asks for a pixel of the client's own view, and returns the answer.
+async fn probed(client: &mut Client, name: &str, pixel: [f64; 2]) -> ProbeAnswer {
+    client.say(&probe(name, pixel)).await;
+    answer_to(client, name).await
 }
 
-async fn open(client: &mut Client, camera: Camera) {
-    let (source, settings) = (ViewSource::Own(camera), None);
-    let [width, height] = SIZE;
-    client
-        .say(&ClientMessage::OpenView {
-            source,
-            width,
-            height,
-            camera_revision: 1,
-            settings,
-            interaction: None,
-            stats: false,
-        })
-        .await;
+async fn answer_to(client: &mut Client, name: &str) -> ProbeAnswer {
+    let answer = |message| match message {
+        ServerMessage::Probed(answer) if answer.probe == name => Some(*answer),
+        _ => None,
+    };
+    client.until(answer).await
 }
 
 /// Rules: PROBE-5, PROBE-2, SOCK-12
@@ -127,70 +116,47 @@ async fn a_client_asks_of_what_it_sees_now() {
     new_session(door, session);
     let (mut ada, welcome) = Client::join(door, session, "Ada").await;
     // Without a view the question needs a camera and a size.
-    ada.say(&probe("too-soon", LIT)).await;
-    let refused = answer_to(&mut ada, "too-soon").await.refused.expect("refused");
+    let refused = probed(&mut ada, "too-soon", LIT).await.refused.expect("refused");
     assert_eq!(refused.code, ErrorCode::BadMessage);
     assert!(refused.message.contains("open one"), "{}", refused.message);
     let camera = Some(ProbeCamera::Own(welcome.camera.clone()));
-    ada.say(&ClientMessage::Probe {
-        probe: "far".into(),
-        pixel: LIT,
-        camera,
-        size: Some(SIZE),
-        highlights: false,
-    })
-    .await;
+    ada.say(&ClientMessage::Probe { probe: "far".into(), pixel: LIT, camera, size: Some(SIZE), highlights: false })
+        .await;
     let far = answer_to(&mut ada, "far").await;
 
-    open(&mut ada, welcome.camera).await;
-    ada.say(&probe("own", LIT)).await;
-    let own = answer_to(&mut ada, "own").await;
+    ada.say(&open_view(ViewSource::Own(welcome.camera), SIZE)).await;
+    let own = probed(&mut ada, "own", LIT).await;
     assert_eq!((own.log_seq, own.refused.clone()), (welcome.seq, None));
     let http = found(door, session, LIT);
     assert!(own.found.as_ref() == Some(&http) && far.found.as_ref() == Some(&http), "{own:?}");
-    ada.say(&probe("off", [640.0, 0.0])).await;
-    let refused = answer_to(&mut ada, "off").await.refused.expect("refused");
+    let refused = probed(&mut ada, "off", [640.0, 0.0]).await.refused.expect("refused");
     assert!(refused.message.contains("640x360"), "{}", refused.message);
 
     // While a light is dragged, its live state is probed.
     let light = http.lights[0].light;
     let (gesture, base_seq) = (String::from("g"), welcome.seq);
     ada.say(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq }).await;
-    let command: Command = serde_json::from_value(
-        json!({"type": "placeLight", "light": light, "translation": [40.0, 3.0, 0.0]}),
-    )
-    .expect("a command");
+    let command: Command =
+        serde_json::from_value(json!({"type": "placeLight", "light": light, "translation": [40.0, 3.0, 0.0]}))
+            .expect("a command");
     ada.say(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update: 1, command }).await;
-    ada.say(&probe("dragged", LIT)).await;
-    let dragged = answer_to(&mut ada, "dragged").await;
+    let dragged = probed(&mut ada, "dragged", LIT).await;
     assert!(dragged.live_revision > own.live_revision);
     assert_eq!(dragged.found.expect("found").lights[0].state, ProbeState::Outside);
     ada.say(&ClientMessage::GestureCancel { gesture }).await;
 
     // Another light, shown alone, hides this one, in that view and for its followers.
-    let added = json!({"edits": [{"command": {"type": "addLight", "light": {"type": "omni", "name": "lamp",
-        "transform": {"translation": [0.0, 3.0, 0.0]}}}}]});
-    let added = post(door, &format!("/sessions/{session}/edits"), &added.to_string());
-    assert_eq!(added.json()["results"][0]["status"], "committed", "{}", added.text());
+    let add = json!([{"command": {"type": "addLight", "light": {"type": "omni", "name": "lamp",
+        "transform": {"translation": [0.0, 3.0, 0.0]}}}}]);
+    let added = results_of(door, session, &add);
+    assert_eq!(added[0]["status"], "committed", "{added:?}");
     let lamp = found(door, session, LIT).lights[1].light;
     let settings = ViewSettings { exposure: 0.0, solo: vec![lamp] };
     ada.say(&ClientMessage::SetView { settings, stats: None, camera_revision: 2 }).await;
     let (mut ben, _) = Client::join(door, session, "Ben").await;
-    let source = ViewSource::Follow(welcome.client);
-    ada.say(&probe("alone", LIT)).await;
-    let alone = answer_to(&mut ada, "alone").await.found.expect("found");
-    let view = ClientMessage::OpenView {
-        source,
-        width: 9,
-        height: 9,
-        camera_revision: 0,
-        settings: None,
-        interaction: None,
-        stats: false,
-    };
-    ben.say(&view).await;
-    ben.say(&probe("followed", LIT)).await;
-    assert_eq!(answer_to(&mut ben, "followed").await.found.expect("found"), alone);
+    let alone = probed(&mut ada, "alone", LIT).await.found.expect("found");
+    ben.say(&open_view(ViewSource::Follow(welcome.client), [9, 9])).await;
+    assert_eq!(probed(&mut ben, "followed", LIT).await.found.expect("found"), alone);
     let muted = (ProbeState::Disabled, Some(ProbeDisabledBy::Muted), 0.0);
     assert_eq!((alone.lights[0].state, alone.lights[0].disabled_by, alone.lights[0].share), muted);
     assert_eq!((alone.lights[1].state, alone.lights[1].share), (ProbeState::Lit, 1.0));
@@ -206,7 +172,7 @@ async fn the_latest_of_many_probes_is_answered() {
     let (door, session) = (&SHARED, "probe-many");
     new_session(door, session);
     let (mut ada, welcome) = Client::join(door, session, "Ada").await;
-    open(&mut ada, welcome.camera).await;
+    ada.say(&open_view(ViewSource::Own(welcome.camera), SIZE)).await;
     let began = Instant::now();
     for number in 0..MANY {
         let pixel = [(number % 640) as f64, (number % 360) as f64];
@@ -216,14 +182,13 @@ async fn the_latest_of_many_probes_is_answered() {
     let (mut answered, mut pinged) = (BTreeMap::new(), None);
     let last = (MANY - 1).to_string();
     while !answered.contains_key(&last) || pinged.is_none() {
-        match ada.next().await {
-            ReceivedMessage::Control(ServerMessage::Probed(answer)) => {
+        match ada.next().await.expect("the server has closed") {
+            ServerMessage::Probed(answer) => {
                 let number: usize = answer.probe.parse().expect("a number");
                 assert!(answered.values().all(|before| *before < number), "in order");
                 answered.insert(answer.probe, number);
             }
-            ReceivedMessage::Control(ServerMessage::Pong { .. }) => pinged = Some(began.elapsed()),
-            ReceivedMessage::End => panic!("the server has closed"),
+            ServerMessage::Pong { .. } => pinged = Some(began.elapsed()),
             _ => {}
         }
     }

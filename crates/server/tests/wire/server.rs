@@ -73,6 +73,13 @@ impl OwnServer {
         Self { door, folder, stop, served }
     }
 
+    /// Stops the server and returns its folder.
+    pub async fn stopped(self) -> TempDir {
+        let (folder, served) = self.stop();
+        served.await.unwrap().unwrap();
+        folder
+    }
+
     /// Asks the server to stop.
     pub fn stop(self) -> (TempDir, JoinHandle<Result<(), ServerError>>) {
         self.stop.send(()).unwrap();
@@ -84,11 +91,8 @@ async fn open(folder: &Path) -> (ServerDoor, Server, TcpListener) {
     let config = ServerConfig {
         data: folder.into(),
         session: "main".into(),
-        scene: None,
-        token_file: None,
         public_urls: vec!["https://lights.example.org".parse().unwrap()],
-        trace: None,
-        backend: None,
+        ..ServerConfig::default()
     };
     let server = spawn_blocking(move || Server::open(&config).unwrap()).await.unwrap();
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();

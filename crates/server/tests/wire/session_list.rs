@@ -2,9 +2,12 @@
 
 use protocol::ServerMessage;
 use serde_json::{Value, json};
-use tokio::task::spawn_blocking;
+use tokio::task::{spawn_blocking, yield_now};
 
-use crate::client::{Client, HttpAnswer, ReceivedMessage, bearer, get, hello, new_session, post, send};
+use crate::client::{
+    Client, HttpAnswer, bearer, edit, get, get_unless, make_session, metric, new_session, on_thread, post, post_edits,
+    send, send_json, set, state,
+};
 use crate::server::{OwnServer, SHARED, ServerDoor};
 
 /// Returns the list's entry of a session. `None` if the list leaves it out.
@@ -15,9 +18,7 @@ fn entry(door: &ServerDoor, query: &str, name: &str) -> Option<Value> {
 }
 
 fn patch(door: &ServerDoor, name: &str, body: &Value) -> HttpAnswer {
-    let headers = [("authorization", bearer(door)), ("content-type", "application/json".into())];
-    let headers = headers.each_ref().map(|(name, value)| (*name, value.as_str()));
-    send(door, "PATCH", &format!("/sessions/{name}"), &headers, body.to_string().as_bytes())
+    send_json(door, "PATCH", &format!("/sessions/{name}"), body)
 }
 
 fn delete(door: &ServerDoor, name: &str) -> HttpAnswer {
@@ -25,32 +26,21 @@ fn delete(door: &ServerDoor, name: &str) -> HttpAnswer {
 }
 
 fn widen(door: &ServerDoor, session: &str, degrees: u32) -> HttpAnswer {
-    let set = json!({"type": "set", "target": "/lights/1/coneAngle", "value": degrees});
-    let edits = json!({"actor": {"id": "bob", "name": "Bob"}, "edits": [{"command": set}]});
-    post(door, &format!("/sessions/{session}/edits"), &edits.to_string())
-}
-
-fn gauge(door: &ServerDoor, name: &str) -> f64 {
-    let text = get(door, "/metrics").text().to_owned();
-    let value = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok());
-    value.unwrap_or_else(|| panic!("no {name}"))
+    let edits = json!([{"command": set("/lights/1/coneAngle", degrees)}]);
+    post_edits(door, session, &json!({"actor": {"id": "bob", "name": "Bob"}, "edits": edits}))
 }
 
 /// Rules: HTTP-32, HTTP-4
 #[tokio::test]
 async fn the_list_says_what_changed_last_and_who_is_there() {
-    let made = json!({"name": "listed", "title": "Shot 10", "scene": "demo:vases",
-        "actor": {"id": "ada", "name": "Ada"}});
-    assert_eq!(post(&SHARED, "/sessions", &made.to_string()).status, 201);
+    let ada = json!({"id": "ada", "name": "Ada"});
+    make_session(&SHARED, &json!({"name": "listed", "title": "Shot 10", "scene": "demo:vases", "actor": ada}));
     let of_list = || entry(&SHARED, "", "listed").expect("an entry");
     let first = of_list();
-    let shown = get(&SHARED, "/sessions/listed").json();
+    let shown = state(&SHARED, "listed");
     assert_eq!(first["title"], "Shot 10");
     assert_eq!([&first["epoch"], &first["seq"]], [&shown["epoch"], &shown["seq"]]);
-    assert_eq!(
-        [&first["clients"], &first["people"], &first["archived"]],
-        [&json!(0), &json!([]), &json!(false)]
-    );
+    assert_eq!([&first["clients"], &first["people"], &first["archived"]], [&json!(0), &json!([]), &json!(false)]);
     assert_eq!(first["changed"]["actor"], "Ada", "who made it loaded its scene");
     let (made, changed) = (first["madeMs"].as_u64().expect("made"), &first["changed"]["timeMs"]);
     assert!(changed.as_u64().expect("changed").abs_diff(made) < 3_600_000, "{first}");
@@ -66,11 +56,10 @@ async fn the_list_says_what_changed_last_and_who_is_there() {
     assert_eq!([&here["clients"], &here["people"]], [&json!(3), &json!(["Ada", "Bob"])]);
     drop(bob);
     while of_list()["clients"] != 2 {
-        tokio::task::yield_now().await;
+        yield_now().await;
     }
     assert_eq!(of_list()["people"], json!(["Ada"]));
-    let empty = post(&SHARED, "/sessions", r#"{"name": "listed-empty"}"#);
-    assert_eq!(empty.status, 201);
+    make_session(&SHARED, &json!({"name": "listed-empty"}));
     assert_eq!(entry(&SHARED, "", "listed-empty").expect("an entry")["changed"], Value::Null);
     // A list of one session, and an empty one.
     assert_eq!(get(&SHARED, "/sessions?name=listed").json(), json!({"sessions": [of_list()]}));
@@ -85,22 +74,21 @@ async fn the_list_says_what_changed_last_and_who_is_there() {
 #[tokio::test]
 async fn a_hundred_sessions_are_listed_and_none_is_opened() {
     let own = OwnServer::start().await;
-    let door = own.door.clone();
-    let asked = spawn_blocking(move || {
+    on_thread(&own.door, |door| {
         for number in 1..100 {
-            new_session(&door, &format!("shot-{number:03}"));
+            new_session(door, &format!("shot-{number:03}"));
         }
-        assert_eq!(gauge(&door, "bendylights_rooms"), 0.0);
-        let list = get(&door, "/sessions").json();
+        assert_eq!(metric(door, "bendylights_rooms"), Some(0.0));
+        let list = get(door, "/sessions").json();
         let names: Vec<_> =
             list["sessions"].as_array().expect("a list").iter().map(|one| one["name"].clone()).collect();
         assert_eq!((names.len(), &names[0], &names[99]), (100, &json!("main"), &json!("shot-099")));
-        assert_eq!(gauge(&door, "bendylights_rooms"), 0.0);
-        get(&door, "/sessions/shot-050");
-        assert_eq!(gauge(&door, "bendylights_rooms"), 1.0, "one that is opened is counted");
-    });
-    asked.await.unwrap();
-    own.stop().1.await.unwrap().unwrap();
+        assert_eq!(metric(door, "bendylights_rooms"), Some(0.0));
+        get(door, "/sessions/shot-050");
+        assert_eq!(metric(door, "bendylights_rooms"), Some(1.0), "one that is opened is counted");
+    })
+    .await;
+    own.stopped().await;
 }
 
 /// Rules: HTTP-33, SOCK-14
@@ -111,31 +99,23 @@ async fn a_session_gets_a_title_and_is_archived_while_people_work_in_it() {
     let answer = patch(&SHARED, "titled", &json!({"title": "Küche, abends"}));
     assert_eq!((answer.status, &answer.json()["title"]), (200, &json!("Küche, abends")));
     assert_eq!(answer.json()["people"], json!(["Ada"]));
-    let told = |came| match came {
-        ReceivedMessage::Control(ServerMessage::SessionChanged { title, archived }) => {
-            Some((title, archived))
-        }
+    let changed = |message| match message {
+        ServerMessage::SessionChanged { title, archived } => Some((title, archived)),
         _ => None,
     };
-    assert_eq!(ada.until(told).await, ("Küche, abends".into(), false));
+    assert_eq!(ada.until(changed).await, ("Küche, abends".into(), false));
     let answer = patch(&SHARED, "titled", &json!({"archived": true}));
-    assert_eq!(
-        (&answer.json()["title"], &answer.json()["archived"]),
-        (&json!("Küche, abends"), &json!(true))
-    );
-    assert_eq!(ada.until(told).await, ("Küche, abends".into(), true));
+    assert_eq!((&answer.json()["title"], &answer.json()["archived"]), (&json!("Küche, abends"), &json!(true)));
+    assert_eq!(ada.until(changed).await, ("Küche, abends".into(), true));
     assert_eq!(entry(&SHARED, "", "titled"), None, "it is hidden");
     assert_eq!(entry(&SHARED, "?archived=false", "titled"), None);
     assert_eq!(entry(&SHARED, "?archived=true", "titled"), Some(answer.json()));
     assert_eq!(entry(&SHARED, "?name=titled", "titled"), Some(answer.json()), "its link finds it");
     // Its link opens it, and its clients continue.
     assert_eq!(widen(&SHARED, "titled", 21).status, 200);
-    let logged = |came| match came {
-        ReceivedMessage::Control(ServerMessage::Log { record, .. }) => Some(record.seq),
-        _ => None,
-    };
+    let logged = |message| if let ServerMessage::Log { record, .. } = message { Some(record.seq) } else { None };
     assert_eq!(ada.until(logged).await, welcome.seq + 1);
-    assert!(Client::greeted(&SHARED, "titled", "Bob").await.is_some());
+    Client::join(&SHARED, "titled", "Bob").await;
     assert_eq!(patch(&SHARED, "titled", &json!({"archived": false})).json()["archived"], false);
     assert!(entry(&SHARED, "", "titled").is_some(), "it is back");
     for (body, status, code) in [
@@ -155,26 +135,19 @@ fn a_session_is_duplicated_with_its_whole_log() {
     for degrees in [20, 21] {
         widen(&SHARED, "original", degrees);
     }
-    let copy =
-        post(&SHARED, "/sessions/original/duplicate", r#"{"name": "a-copy", "title": "Original copy"}"#);
+    let copy = post(&SHARED, "/sessions/original/duplicate", r#"{"name": "a-copy", "title": "Original copy"}"#);
     assert_eq!((copy.status, &copy.json()["title"]), (201, &json!("Original copy")), "{}", copy.text());
-    let [original, of_copy] =
-        ["original", "a-copy"].map(|name| get(&SHARED, &format!("/sessions/{name}")).json());
+    let [original, of_copy] = ["original", "a-copy"].map(|name| state(&SHARED, name));
     assert_eq!([&of_copy["seq"], &of_copy["hash"]], [&original["seq"], &original["hash"]]);
     assert_ne!(of_copy["epoch"], original["epoch"]);
     let log = |name: &str| get(&SHARED, &format!("/sessions/{name}/log")).body;
     assert_eq!(log("a-copy"), log("original"));
     // The copy continues independently, from the same history.
     let undo = json!({"actor": {"id": "bob", "name": "Bob"}, "edits": [{"undo": "mine"}]});
-    let undone = post(&SHARED, "/sessions/a-copy/edits", &undo.to_string()).json();
-    assert_eq!(undone["results"][0]["status"], "committed");
-    let angle = |name: &str| {
-        get(&SHARED, &format!("/sessions/{name}")).json()["document"]["lights"][0]["light"]["coneAngle"]
-            .clone()
-    };
+    assert_eq!(edit(&SHARED, "a-copy", &undo)["results"][0]["status"], "committed");
+    let angle = |name: &str| state(&SHARED, name)["document"]["lights"][0]["light"]["coneAngle"].clone();
     assert_eq!([angle("a-copy"), angle("original")], [json!(20.0), json!(21.0)]);
-    let duplicate =
-        |from: &str, body: &str| post(&SHARED, &format!("/sessions/{from}/duplicate"), body).refusal();
+    let duplicate = |from: &str, body: &str| post(&SHARED, &format!("/sessions/{from}/duplicate"), body).refusal();
     assert_eq!(duplicate("original", r#"{"name": "a-copy"}"#), (409, "exists".into()));
     assert_eq!(duplicate("original", r#"{"name": "a b"}"#), (400, "badName".into()));
     assert_eq!(duplicate("nowhere", r#"{"name": "b-copy"}"#), (404, "notFound".into()));
@@ -185,7 +158,7 @@ fn a_session_is_duplicated_with_its_whole_log() {
 #[tokio::test]
 async fn only_an_archived_session_that_nobody_is_in_is_deleted() {
     new_session(&SHARED, "deleted");
-    let epoch = get(&SHARED, "/sessions/deleted").json()["epoch"].clone();
+    let epoch = state(&SHARED, "deleted")["epoch"].clone();
     assert_eq!(delete(&SHARED, "deleted").refusal(), (409, "notArchived".into()));
     patch(&SHARED, "deleted", &json!({"archived": true}));
     let (ada, _) = Client::join(&SHARED, "deleted", "Ada").await;
@@ -195,7 +168,7 @@ async fn only_an_archived_session_that_nobody_is_in_is_deleted() {
     assert_eq!(widen(&SHARED, "deleted", 22).status, 200, "nothing was done to it");
     drop(ada);
     while entry(&SHARED, "?archived=true", "deleted").expect("an entry")["clients"] != 0 {
-        tokio::task::yield_now().await;
+        yield_now().await;
     }
     let gone = delete(&SHARED, "deleted");
     assert_eq!((gone.status, gone.body.len()), (204, 0));
@@ -204,14 +177,11 @@ async fn only_an_archived_session_that_nobody_is_in_is_deleted() {
     assert_eq!(widen(&SHARED, "deleted", 23).refusal(), (404, "notFound".into()));
     assert_eq!(delete(&SHARED, "deleted").refusal(), (404, "notFound".into()));
     let mut late = Client::connect(&SHARED).await;
-    late.say(&hello(&SHARED.token, "deleted", "Ada")).await;
-    let ReceivedMessage::Control(ServerMessage::Error { code, fatal, .. }) = late.next().await else {
-        panic!("no error")
-    };
-    assert_eq!((code.name(), fatal), ("notFound", true));
+    late.say_hello(&SHARED, "deleted", "Ada").await;
+    assert_eq!(late.fatal_error().await.0.name(), "notFound");
     // A new session of its name has nothing of it.
     new_session(&SHARED, "deleted");
-    let again = get(&SHARED, "/sessions/deleted").json();
+    let again = state(&SHARED, "deleted");
     assert_eq!(again["seq"], 1);
     assert_ne!(again["epoch"], epoch);
 }
@@ -226,22 +196,15 @@ async fn a_session_is_there_or_not_while_it_is_deleted() {
         new_session(&SHARED, &name);
         patch(&SHARED, &name, &json!({"archived": true}));
         widen(&SHARED, &name, 20);
-        let asker = name.clone();
-        let asked = spawn_blocking(move || {
-            let statuses = (0..20).map(|_| get(&SHARED, &format!("/sessions/{asker}")).status);
-            statuses.collect::<Vec<_>>()
-        });
-        let deleter = name.clone();
-        let deleted = spawn_blocking(move || delete(&SHARED, &deleter).status).await.unwrap();
-        assert_eq!(deleted, 204);
-        assert_eq!(get(&SHARED, &format!("/sessions/{name}")).status, 404);
+        let path = format!("/sessions/{name}");
+        let asked_path = path.clone();
+        let asked = spawn_blocking(move || (0..20).map(|_| get(&SHARED, &asked_path).status).collect::<Vec<_>>());
+        let deleted = on_thread(&SHARED, move |door| delete(door, &name).status).await;
+        assert_eq!((deleted, get(&SHARED, &path).status), (204, 404));
         let statuses = asked.await.unwrap();
         assert!(statuses.iter().all(|status| [200, 404, 503].contains(status)), "{statuses:?}");
         let first_gone = statuses.iter().position(|status| *status == 404).unwrap_or(statuses.len());
-        assert!(
-            statuses[first_gone..].iter().all(|status| *status == 404),
-            "it never comes back: {statuses:?}"
-        );
+        assert!(statuses[first_gone..].iter().all(|status| *status == 404), "it never comes back: {statuses:?}");
     }
 }
 
@@ -252,13 +215,10 @@ fn the_scenes_that_come_with_the_server_make_sessions() {
     let demos = scenes.json()["demos"].as_array().expect("demos").clone();
     assert!(demos.len() > 1, "{demos:?}");
     for (number, demo) in demos.iter().enumerate() {
-        let made = json!({"name": format!("of-a-demo-{number}"), "scene": demo["scene"]});
-        let made = post(&SHARED, "/sessions", &made.to_string());
-        assert_eq!((made.status, &made.json()["document"]["scene"]["name"]), (201, &demo["scene"]));
+        let session = json!({"name": format!("of-a-demo-{number}"), "scene": demo["scene"]});
+        assert_eq!(make_session(&SHARED, &session)["document"]["scene"]["name"], demo["scene"]);
         assert!(demo["shows"].as_str().expect("words").len() > 10, "{demo}");
     }
-    let tag = scenes.headers["etag"].to_str().expect("text").to_owned();
-    let known = [("authorization", bearer(&SHARED)), ("if-none-match", tag)];
-    let known = known.each_ref().map(|(name, value)| (*name, value.as_str()));
-    assert_eq!(send(&SHARED, "GET", "/scenes", &known, b"").status, 304);
+    let tag = scenes.headers["etag"].to_str().expect("text");
+    assert_eq!(get_unless(&SHARED, "/scenes", tag).status, 304);
 }

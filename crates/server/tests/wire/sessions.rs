@@ -5,14 +5,8 @@ use std::os::unix::fs::PermissionsExt;
 
 use serde_json::{Value, json};
 
-use crate::client::{Client, ask_with, get, new_session, post};
+use crate::client::{Client, add_asset, edit, get, make_session, new_session, post, state, upload};
 use crate::server::{OwnServer, SHARED};
-
-fn edit(session: &str, body: &Value) -> Value {
-    let answer = post(&SHARED, &format!("/sessions/{session}/edits"), &body.to_string());
-    assert_eq!(answer.status, 200, "{}", answer.text());
-    answer.json()
-}
 
 fn cone_angle(degrees: f64) -> Value {
     json!({"type": "setLight", "light": 1, "parameter": {"coneAngle": degrees}})
@@ -21,11 +15,11 @@ fn cone_angle(degrees: f64) -> Value {
 /// Rules: HTTP-4
 #[test]
 fn a_session_is_made_once() {
-    let made = post(&SHARED, "/sessions", r#"{"name": "Made.once-1_"}"#);
-    assert_eq!((made.status, made.json()["seq"].as_u64()), (201, Some(0)));
-    assert_eq!(post(&SHARED, "/sessions", r#"{"name": "Made.once-1_"}"#).refusal(), (409, "exists".into()));
+    let session = json!({"name": "Made.once-1_"});
+    assert_eq!(make_session(&SHARED, &session)["seq"], 0);
+    assert_eq!(post(&SHARED, "/sessions", &session).refusal(), (409, "exists".into()));
     for name in ["", ".hidden", "a b", "a/b", "ä", &"a".repeat(65)] {
-        let refused = post(&SHARED, "/sessions", &json!({ "name": name }).to_string());
+        let refused = post(&SHARED, "/sessions", &json!({ "name": name }));
         assert_eq!(refused.refusal(), (400, "badName".into()), "{name}");
     }
     let no_scene = post(&SHARED, "/sessions", r#"{"name": "no-scene", "scene": "demo:nothing"}"#);
@@ -38,11 +32,8 @@ fn a_session_is_made_once() {
 async fn a_session_is_shown_with_its_document() {
     new_session(&SHARED, "shown");
     let (_client, welcome) = Client::join(&SHARED, "shown", "Ada").await;
-    let shown = get(&SHARED, "/sessions/shown").json();
-    assert_eq!(
-        (shown["hash"].as_str(), shown["epoch"].as_str()),
-        (Some(&*welcome.hash), Some(&*welcome.epoch))
-    );
+    let shown = state(&SHARED, "shown");
+    assert_eq!((shown["hash"].as_str(), shown["epoch"].as_str()), (Some(&*welcome.hash), Some(&*welcome.epoch)));
     assert_eq!(shown["document"]["scene"]["name"], "demo:vases");
     assert_eq!(shown["document"]["lights"][0]["light"]["name"], "key");
 }
@@ -59,17 +50,14 @@ fn edits_are_answered_one_by_one_and_logged() {
         {"command": {"type": "loadScene", "scene": "demo:nothing"}},
         {"opId": "narrow", "command": cone_angle(20.0)},
     ]});
-    let answer = edit("edited", &body);
+    let answer = edit(&SHARED, "edited", &body);
     let results = answer["results"].as_array().unwrap();
     let statuses: Vec<_> = results.iter().map(|result| result["status"].as_str().unwrap()).collect();
     assert_eq!(statuses, ["committed", "rejected", "committed", "committed", "rejected", "committed"]);
     let seqs: Vec<_> = results.iter().map(|result| result["seq"].as_u64()).collect();
     assert_eq!(seqs, [Some(2), None, Some(3), Some(4), None, Some(2)], "the last was carried out before");
-    assert_eq!(
-        (results[1]["code"].as_str(), results[4]["code"].as_str()),
-        (Some("notFound"), Some("unknownAsset"))
-    );
-    assert_eq!(answer["hash"], get(&SHARED, "/sessions/edited").json()["hash"]);
+    assert_eq!((results[1]["code"].as_str(), results[4]["code"].as_str()), (Some("notFound"), Some("unknownAsset")));
+    assert_eq!(answer["hash"], state(&SHARED, "edited")["hash"]);
 
     let seqs = |query: &str| -> Vec<u64> {
         let log = get(&SHARED, &format!("/sessions/edited/log{query}"));
@@ -83,7 +71,7 @@ fn edits_are_answered_one_by_one_and_logged() {
 
 /// Rules: HTTP-15
 #[tokio::test]
-async fn what_is_kept_is_its_owners_alone() {
+async fn only_the_owner_can_read_the_data_folder() {
     let own = OwnServer::start().await;
     let mut folders = vec![own.folder.path().to_owned()];
     let mut seen = Vec::new();
@@ -105,22 +93,18 @@ async fn what_is_kept_is_its_owners_alone() {
 /// Rules: HTTP-10, CMD-6
 #[test]
 fn a_scene_is_sent_and_then_loaded_by_its_name() {
-    let bearer = format!("Bearer {}", SHARED.token);
-    let send = |bytes: &[u8]| ask_with(&SHARED, "/assets", &[("authorization", &bearer)], Some(bytes));
     let scene = br#"{"asset": {"version": "2.0"}, "nodes": [{"name": "nothing"}]}"#;
-    let sent = send(scene);
-    assert_eq!(sent.status, 201, "{}", sent.text());
-    let asset = sent.json()["asset"].as_str().unwrap().to_owned();
-    assert_eq!(send(scene).json()["asset"], asset.as_str(), "the same bytes have the same name");
-    assert_eq!(send(b"not a scene").refusal(), (400, "badScene".into()));
+    let asset = add_asset(&SHARED, "", scene)["asset"].as_str().unwrap().to_owned();
+    assert_eq!(add_asset(&SHARED, "", scene)["asset"], asset.as_str(), "the same bytes have the same name");
+    assert_eq!(upload(&SHARED, "", b"not a scene").refusal(), (400, "badScene".into()));
 
     new_session(&SHARED, "loaded");
     let load = |scene: &str| json!({"edits": [{"command": {"type": "loadScene", "scene": scene}}]});
-    assert_eq!(edit("loaded", &load(&asset))["results"][0]["seq"], 2);
-    assert_eq!(get(&SHARED, "/sessions/loaded").json()["document"]["lights"], json!([]));
-    let unknown = edit("loaded", &load(&format!("sha256:{}", "0".repeat(64))));
+    assert_eq!(edit(&SHARED, "loaded", &load(&asset))["results"][0]["seq"], 2);
+    assert_eq!(state(&SHARED, "loaded")["document"]["lights"], json!([]));
+    let unknown = edit(&SHARED, "loaded", &load(&format!("sha256:{}", "0".repeat(64))));
     assert_eq!(unknown["results"][0]["code"], "unknownAsset");
-    let undone = edit("loaded", &json!({"edits": [{"undo": "mine"}]}));
+    let undone = edit(&SHARED, "loaded", &json!({"edits": [{"undo": "mine"}]}));
     assert_eq!(undone["results"][0]["skipped"], Value::Null, "the scene before is found again");
-    assert_eq!(get(&SHARED, "/sessions/loaded").json()["document"]["scene"]["name"], "demo:vases");
+    assert_eq!(state(&SHARED, "loaded")["document"]["scene"]["name"], "demo:vases");
 }

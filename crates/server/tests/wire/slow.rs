@@ -1,27 +1,31 @@
 //! Clients that read slowly, or while much happens at once.
 
 use light::parameters::NAME;
-use protocol::{ClientMessage, Command, Document, ServerMessage};
+use protocol::{Command, Document, ServerMessage, Welcome};
 use serde_json::{Value, json};
 use tokio::task::{JoinHandle, spawn, spawn_blocking};
 
-use crate::client::{Client, ReceivedMessage, get, post};
+use crate::client::{Client, insert_and_remove_point, large_light, make_session, on_thread, results_of, spot, state};
 use crate::server::SHARED;
 
-/// Opens a session without a scene, with one light.
-fn lit_session(name: &str, light: &Value) {
-    let made = post(&SHARED, "/sessions", &json!({ "name": name }).to_string());
-    assert_eq!(made.status, 201, "{}", made.text());
-    assert_eq!(batch(name, &[json!({"type": "addLight", "light": light})]), [Some(1)]);
+/// Makes a session without a scene, and carries out a command that adds its one light.
+async fn lit_session(name: &'static str, add: Value) {
+    on_thread(&SHARED, move |door| {
+        make_session(door, &json!({ "name": name }));
+        assert_eq!(batch(name, &[add]), [Some(1)]);
+    })
+    .await;
 }
 
 /// Carries out commands in one request. Returns the records' numbers.
 fn batch(session: &str, commands: &[Value]) -> Vec<Option<u64>> {
-    let edits: Vec<Value> = commands.iter().map(|command| json!({ "command": command })).collect();
-    let answer = post(&SHARED, &format!("/sessions/{session}/edits"), &json!({ "edits": edits }).to_string());
-    assert_eq!(answer.status, 200, "{}", answer.text());
-    let answer = answer.json();
-    answer["results"].as_array().unwrap().iter().map(|result| result["seq"].as_u64()).collect()
+    let edits = commands.iter().map(|command| json!({ "command": command })).collect();
+    results_of(&SHARED, session, &edits).iter().map(|result| result["seq"].as_u64()).collect()
+}
+
+/// Returns the hash of a session's document.
+async fn current_hash(session: &'static str) -> Value {
+    on_thread(&SHARED, move |door| state(door, session)["hash"].clone()).await
 }
 
 fn cone_angles(count: u32) -> Vec<Value> {
@@ -37,6 +41,10 @@ struct MirroredDocument {
 }
 
 impl MirroredDocument {
+    fn new(welcome: Welcome) -> Self {
+        Self { seq: welcome.seq, hash: welcome.hash, resyncs: 0 }
+    }
+
     fn apply_message(&mut self, message: &ServerMessage) {
         match message {
             ServerMessage::Log { record, hash, .. } => {
@@ -62,11 +70,7 @@ fn hash_of(document: Document) -> String {
 fn watch(mut client: Client, mut known: MirroredDocument, last: u64) -> JoinHandle<MirroredDocument> {
     spawn(async move {
         while known.seq < last {
-            match client.next().await {
-                ReceivedMessage::Control(message) => known.apply_message(&message),
-                ReceivedMessage::Frame(_) => {}
-                ReceivedMessage::End => panic!("closed at record {}", known.seq),
-            }
+            known.apply_message(&client.next().await.expect("the server has closed"));
         }
         known
     })
@@ -74,14 +78,13 @@ fn watch(mut client: Client, mut known: MirroredDocument, last: u64) -> JoinHand
 
 /// Rules: SOCK-3, SOCK-10
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn who_reads_is_not_closed_however_much_happens() {
+async fn a_client_that_reads_is_not_closed_however_much_happens() {
     const BATCH: u32 = 1_000;
-    spawn_blocking(|| lit_session("busy", &json!({"type": "spot"}))).await.unwrap();
+    lit_session("busy", spot("lamp")).await;
     let mut viewers = Vec::new();
     for number in 0..3 {
         let (client, welcome) = Client::join(&SHARED, "busy", &format!("viewer {number}")).await;
-        let known = MirroredDocument { seq: welcome.seq, hash: welcome.hash, resyncs: 0 };
-        viewers.push(watch(client, known, 1 + 4 * u64::from(BATCH)));
+        viewers.push(watch(client, MirroredDocument::new(welcome), 1 + 4 * u64::from(BATCH)));
     }
     let send = || spawn_blocking(|| batch("busy", &cone_angles(BATCH)));
     let batches = [send(), send(), send(), send()];
@@ -90,70 +93,51 @@ async fn who_reads_is_not_closed_however_much_happens() {
         assert_eq!(seqs.len(), BATCH as usize);
         assert!(seqs.is_sorted() && seqs[0].is_some(), "the order of a request is kept");
     }
-    let hash = spawn_blocking(|| get(&SHARED, "/sessions/busy").json()["hash"].clone()).await.unwrap();
+    let hash = current_hash("busy").await;
     for viewer in viewers {
-        assert_eq!(viewer.await.unwrap().hash, hash.as_str().unwrap());
+        assert_eq!(viewer.await.unwrap().hash, hash);
     }
 }
 
 /// Rules: HTTP-6
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_long_request_does_not_make_others_wait_for_its_end() {
-    spawn_blocking(|| lit_session("shared", &json!({"type": "spot"}))).await.unwrap();
+    lit_session("shared", spot("lamp")).await;
     let (mut ada, _) = Client::join(&SHARED, "shared", "Ada").await;
     let long = spawn_blocking(|| batch("shared", &cone_angles(1_000)));
-    let record = |came| matches!(came, ReceivedMessage::Control(ServerMessage::Log { .. })).then_some(());
-    ada.until(record).await;
-    let parameter = NAME.to("lamp".into()).into();
-    let command = Command::SetLight { light: 1, parameter };
-    ada.say(&ClientMessage::Edit { op_id: "between".into(), base_seq: 1, command }).await;
-    let result = ada.until(result).await;
+    ada.until(|message| matches!(message, ServerMessage::Log { .. }).then_some(())).await;
+    ada.say_edit("between", 1, rename()).await;
+    let outcome = ada.outcome("between").await;
     let seqs = long.await.unwrap();
-    assert!(result.outcome.seq() < *seqs.last().unwrap(), "{:?} of {:?}", result.outcome, seqs.last());
+    assert!(outcome.seq() < *seqs.last().unwrap(), "{outcome:?} of {:?}", seqs.last());
 }
 
 /// Rules: SOCK-10
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn who_has_not_read_for_a_while_is_told_the_outcome_and_then_its_answers() {
-    // Records of 40 kB, because of their digits. 24 MB are more than the server and the system buffer for this socket.
-    let third = 1.0 / 3.0;
-    let points: Vec<[f64; 3]> = (0..200).map(|k| [0.0, 0.0, -third * f64::from(k)]).collect();
-    let (colors, numbers) = ([[third; 3]; 200].to_vec(), [third; 200].to_vec());
-    let light = json!({"type": "bendy", "points": points, "radii": numbers, "colors": colors, "intensities": numbers});
-    spawn_blocking(move || lit_session("late", &light)).await.unwrap();
-    let (mut ada, welcome) = Client::join_with_small_buffers(&SHARED, "late", "Ada").await;
-    let insert_and_remove = || {
-        let pair = [
-            json!({"type": "insertPoint", "light": 1, "point": 100}),
-            json!({"type": "removePoint", "light": 1, "point": 100}),
-        ];
-        batch("late", &pair.iter().cycle().take(600).cloned().collect::<Vec<_>>())
-    };
-    let last = spawn_blocking(insert_and_remove).await.unwrap().pop().flatten();
+async fn a_client_that_has_not_read_for_a_while_gets_the_current_state_and_then_its_answers() {
+    // 24 MB of records are more than the server and the system buffer for this socket.
+    lit_session("late", large_light()).await;
+    let (mut ada, welcome) =
+        Client::connect_with_small_buffers(&SHARED).await.greet(&SHARED, "late", "Ada").await.expect("a welcome");
+    let pairs = insert_and_remove_point().into_iter().cycle().take(600).collect::<Vec<_>>();
+    let last = spawn_blocking(move || batch("late", &pairs)).await.unwrap().pop().flatten();
     assert_eq!(last, Some(601));
-    let parameter = NAME.to("lamp".into()).into();
-    let command = Command::SetLight { light: 1, parameter };
-    ada.say(&ClientMessage::Edit { op_id: "late".into(), base_seq: 1, command }).await;
-    let mut known = MirroredDocument { seq: welcome.seq, hash: welcome.hash, resyncs: 0 };
-    let answer = ada
-        .until(|came| match came {
-            ReceivedMessage::Control(ServerMessage::EditResult(result)) => Some(result),
-            ReceivedMessage::Control(message) => {
-                known.apply_message(&message);
-                None
-            }
-            ReceivedMessage::Frame(_) | ReceivedMessage::End => None,
-        })
-        .await;
+    ada.say_edit("late", 1, rename()).await;
+    let mut known = MirroredDocument::new(welcome);
+    let result_in = |message| match message {
+        ServerMessage::EditResult(result) => Some(result),
+        message => {
+            known.apply_message(&message);
+            None
+        }
+    };
+    let answer = ada.until(result_in).await;
     assert_eq!(answer.outcome.seq(), Some(602));
     assert_eq!((known.resyncs, known.seq), (1, 602), "an answer comes after what it refers to");
-    let hash = spawn_blocking(|| get(&SHARED, "/sessions/late").json()["hash"].clone()).await.unwrap();
-    assert_eq!(known.hash, hash.as_str().unwrap());
+    assert_eq!(current_hash("late").await, known.hash);
 }
 
-fn result(came: ReceivedMessage) -> Option<protocol::EditResult> {
-    match came {
-        ReceivedMessage::Control(ServerMessage::EditResult(result)) => Some(result),
-        _ => None,
-    }
+/// Returns a command that changes no picture.
+fn rename() -> Command {
+    Command::SetLight { light: 1, parameter: NAME.to("lamp".into()).into() }
 }

@@ -6,14 +6,17 @@ use std::time::Duration;
 use std::{env, fs, io};
 
 use futures_util::future::join;
-use protocol::{ErrorCode, ServerMessage};
-use serde_json::json;
+use protocol::ErrorCode;
+use serde_json::{Value, json};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::task::spawn_blocking;
 use tokio::time::{Instant, pause, sleep};
 
-use crate::client::{Client, ReceivedMessage, bearer, connect_with_small_buffers, get, hello, post};
+use crate::client::{
+    Client, SMALL_BUFFER_BYTES, connect_with_buffer, get, head_of, make_session, on_thread, results_of, send_raw,
+    wait_until,
+};
 use crate::server::{OwnServer, ServerDoor, is_ready};
 
 const MIB: u64 = 1 << 20;
@@ -25,7 +28,7 @@ async fn child_that_serves_until_its_input_ends() {
     let own = OwnServer::start().await;
     println!("door {} {}", own.door.address, own.door.token);
     spawn_blocking(|| io::stdin().read_to_end(&mut Vec::new())).await.unwrap().unwrap();
-    own.stop().1.await.unwrap().unwrap();
+    own.stopped().await;
 }
 
 /// A server in another process.
@@ -66,15 +69,14 @@ impl Drop for ChildServer {
     }
 }
 
-fn edit(door: &ServerDoor, command: &serde_json::Value) {
-    let body = json!({"edits": [{ "command": command }]}).to_string();
-    let answer = post(door, "/sessions/large/edits", &body);
-    assert!(answer.status == 200 && answer.text().contains("committed"), "{}", answer.text());
+fn edit(door: &ServerDoor, command: &Value) {
+    let results = results_of(door, "large", &json!([{ "command": command }]));
+    assert_eq!(results[0]["status"], "committed", "{results:?}");
 }
 
 /// Opens a session whose document has more than 16 MiB.
 fn large_session(door: &ServerDoor) {
-    assert_eq!(post(door, "/sessions", r#"{"name": "large"}"#).status, 201);
+    make_session(door, &json!({"name": "large"}));
     let paths: Vec<String> = (0..256).map(|n| format!("{n:0>250}")).collect();
     let links = json!({ "include": paths });
     let light = json!({"type": "spot", "lightLink": links, "shadowLink": links});
@@ -84,20 +86,16 @@ fn large_session(door: &ServerDoor) {
     assert!(get(door, "/sessions/large").body.len() as u64 > 16 * MIB);
 }
 
-fn asks_for_document(door: &ServerDoor) -> String {
-    format!("GET /sessions/large HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\n\r\n", bearer(door))
+fn document_request(door: &ServerDoor) -> String {
+    head_of(door, "GET /sessions/large", "Content-Length: 0")
 }
 
 /// Connects a socket that says hello, and sends a request for the document. The client reads nothing from either
 /// connection.
 async fn reads_nothing(door: &ServerDoor, number: usize) -> (Client, TcpStream) {
     let mut socket = Client::connect(door).await;
-    socket.say(&hello(&door.token, "large", &format!("client {number}"))).await;
-    let mut http = TcpStream::connect(door.address).await.unwrap();
-    let head =
-        format!("GET /sessions/large HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\n\r\n", bearer(door));
-    http.write_all(head.as_bytes()).await.unwrap();
-    (socket, http)
+    socket.say_hello(door, "large", &format!("client {number}")).await;
+    (socket, send_raw(door, document_request(door)).await)
 }
 
 /// Deliberate fault that the check must detect: each client asks for another revision, so their texts cannot be shared.
@@ -110,8 +108,7 @@ async fn a_document_is_held_once_however_many_read_nothing_of_it() {
     while !is_ready(door.address) {
         sleep(Duration::from_millis(50)).await;
     }
-    let made = door.clone();
-    spawn_blocking(move || large_session(&made)).await.unwrap();
+    on_thread(&door, large_session).await;
     let before = server.resident();
     let mut readers = Vec::new();
     for number in 0..60 {
@@ -123,34 +120,22 @@ async fn a_document_is_held_once_however_many_read_nothing_of_it() {
     drop(readers);
     let mut readers = Vec::new();
     for number in 0..30 {
-        let edited = door.clone();
         let rename = json!({"type": "setLight", "light": 1, "parameter": {"name": format!("lamp {number}")}});
-        spawn_blocking(move || edit(&edited, &rename)).await.unwrap();
+        on_thread(&door, move |door| edit(door, &rename)).await;
         readers.push(reads_nothing(&door, number).await);
     }
     sleep(Duration::from_secs(3)).await;
     let apart = server.resident().saturating_sub(before);
     assert!(apart > 200 * MIB, "{} MiB: texts that are not shared are seen", apart / MIB);
-    assert!(
-        apart < 600 * MIB,
-        "{} MiB: and no more of them are made than the account has room for",
-        apart / MIB
-    );
-    let asked = door.clone();
-    let refused = spawn_blocking(move || get(&asked, "/sessions/large")).await.unwrap();
+    assert!(apart < 600 * MIB, "{} MiB: and no more of them are made than the account has room for", apart / MIB);
+    let refused = on_thread(&door, |door| get(door, "/sessions/large")).await;
     assert_eq!(refused.refusal(), (503, "busy".into()));
     let mut late = Client::connect(&door).await;
-    late.say(&hello(&door.token, "large", "Late")).await;
-    assert!(matches!(
-        late.next().await,
-        ReceivedMessage::Control(ServerMessage::Error { code: ErrorCode::Busy, fatal: true, .. })
-    ));
+    late.say_hello(&door, "large", "Late").await;
+    assert_eq!(late.fatal_error().await.0, ErrorCode::Busy);
     drop(readers);
-    let mut tries = 0..1_000;
-    while Client::greeted(&door, "large", "Ada").await.is_none() {
-        tries.next().expect("what they held is given back");
-        sleep(Duration::from_millis(20)).await;
-    }
+    let is_admitted = async || Client::connect(&door).await.greet(&door, "large", "Ada").await.is_some();
+    wait_until("freed reservations have room for a client", is_admitted).await;
 }
 
 /// Reads a little every 10 seconds, so never nothing for 30, until the connection ends. Returns the time until then.
@@ -166,12 +151,11 @@ async fn take_slowly(mut stream: impl AsyncRead + Unpin) -> Duration {
 #[tokio::test]
 async fn slow_readers_are_disconnected() {
     let own = OwnServer::start().await;
-    let door = own.door.clone();
-    spawn_blocking(move || large_session(&door)).await.unwrap();
-    let mut http = connect_with_small_buffers(&own.door).await;
-    http.write_all(asks_for_document(&own.door).as_bytes()).await.unwrap();
+    on_thread(&own.door, large_session).await;
+    let mut http = connect_with_buffer(&own.door, SMALL_BUFFER_BYTES).await;
+    http.write_all(document_request(&own.door).as_bytes()).await.unwrap();
     let mut client = Client::connect_with_small_buffers(&own.door).await;
-    client.say(&hello(&own.door.token, "large", "Ada")).await;
+    client.say_hello(&own.door, "large", "Ada").await;
     let mut client = client.into_stream();
     for stream in [&mut http as &mut (dyn AsyncRead + Unpin), &mut client] {
         stream.read_exact(&mut [0; 4]).await.unwrap();

@@ -5,12 +5,10 @@ use std::path::Path;
 use std::time::Duration;
 
 use serde_json::json;
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::AsyncReadExt;
 use tokio::net::TcpStream;
-use tokio::task::spawn_blocking;
-use tokio::time::sleep;
 
-use crate::client::{ask_with, bearer};
+use crate::client::{head_of, on_thread, send_raw, upload, wait_until};
 use crate::server::{OwnServer, ServerDoor};
 
 const MIB: usize = 1 << 20;
@@ -19,14 +17,8 @@ const MANY: usize = 40;
 
 /// Starts to upload a scene of that many bytes by its head.
 async fn begin(door: &ServerDoor, bytes: usize, part: &[u8]) -> TcpStream {
-    let mut stream = TcpStream::connect(door.address).await.unwrap();
-    let head = format!(
-        "POST /assets?name=large HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\nContent-Length: {bytes}\r\n\r\n",
-        bearer(door)
-    );
-    stream.write_all(head.as_bytes()).await.unwrap();
-    stream.write_all(part).await.unwrap();
-    stream
+    let head = head_of(door, "POST /assets?name=large", &format!("Content-Length: {bytes}"));
+    send_raw(door, [head.as_bytes(), part].concat()).await
 }
 
 /// Returns the size and number of the unnamed files in the folder that this process, which is the server, has open.
@@ -57,19 +49,11 @@ fn named(folder: &Path) -> Vec<String> {
     names
 }
 
-async fn until(what: &str, holds: impl Fn() -> bool) {
-    let mut tries = 0..1_000;
-    while !holds() {
-        assert!(tries.next().is_some(), "{what}");
-        sleep(Duration::from_millis(5)).await;
-    }
-}
-
 /// An upload of 500 MB that is cut off leaves nothing on disk, and its permit is free again.
 ///
 /// Rules: HTTP-10
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn what_is_cut_off_leaves_nothing() {
+async fn an_upload_that_is_cut_off_leaves_nothing() {
     let own = OwnServer::start().await;
     let folder = own.folder.path().canonicalize().unwrap();
     let before = named(&folder);
@@ -77,17 +61,15 @@ async fn what_is_cut_off_leaves_nothing() {
     for _ in 0..MANY {
         let sending = begin(&own.door, 500 * MIB, &part).await;
         // Deliberate fault that the check must detect: while it arrives, it is there.
-        until("what has come is on the disk", || unnamed(&folder).0 == part.len() as u64).await;
+        wait_until("received bytes are on the disk", async || unnamed(&folder).0 == part.len() as u64).await;
         assert_eq!(named(&folder), before, "what is on its way has no name");
         drop(sending);
-        until("what was cut off is gone", || unnamed(&folder) == (0, 0)).await;
+        wait_until("a file that was cut off is gone", async || unnamed(&folder) == (0, 0)).await;
     }
     assert_eq!(named(&folder), before);
-    let door = own.door.clone();
     let scene = json!({"asset": {"version": "2.0"}, "nodes": [{"name": "n"}]}).to_string();
-    let send =
-        move || ask_with(&door, "/assets", &[("authorization", &bearer(&door))], Some(scene.as_bytes()));
-    assert_eq!(spawn_blocking(send).await.unwrap().status, 201, "all turns are free");
+    let sent = on_thread(&own.door, move |door| upload(door, "", scene.as_bytes())).await;
+    assert_eq!(sent.status, 201, "all permits are free");
     assert_eq!(named(&folder).len(), before.len() + 1, "one that arrives is kept");
 }
 
@@ -95,7 +77,7 @@ async fn what_is_cut_off_leaves_nothing() {
 ///
 /// Rules: HTTP-11
 #[tokio::test]
-async fn what_is_too_large_is_refused_at_once() {
+async fn an_upload_that_is_too_large_is_refused_at_once() {
     let own = OwnServer::start().await;
     let mut sending = begin(&own.door, 769 * MIB, b"glTF").await;
     let mut answer = vec![0; 1024];

@@ -213,7 +213,7 @@ struct FaultRun {
 impl FaultRun {
     /// Runs the child with `faults` in the syntax of strace's `inject`: the system calls that fail, the error and the
     /// count.
-    fn run(faults: &[&str], fault: &str) -> Self {
+    fn run(faults: &[String], fault: &str) -> Self {
         let folder = TempDir::new().expect("a folder");
         // The folder exists before anything fails.
         assert!(child(&[], folder.path(), 1, "").output().expect("the child runs").status.success());
@@ -226,8 +226,7 @@ impl FaultRun {
             let (word, seq) = line.split_once(' ')?;
             Some((word.to_owned(), seq.parse().ok()?))
         });
-        let acknowledgements =
-            said.filter(|(word, _)| ["ack", "refused", "unknown"].contains(&&**word)).collect();
+        let acknowledgements = said.filter(|(word, _)| ["ack", "refused", "unknown"].contains(&&**word)).collect();
         let found = Store::open(folder.path()).expect("a store").session("main").expect("a session").seq;
         Self { acknowledgements, found }
     }
@@ -245,29 +244,35 @@ impl FaultRun {
     }
 }
 
+/// Counts of records that were not acknowledged.
+struct Outcomes {
+    refused: usize,
+    unknown: usize,
+}
+
+/// Runs the child with each list of faults, and checks that its log holds the acknowledged records and no refused one.
+fn checked_outcomes(faults: impl Iterator<Item = Vec<String>>) -> Outcomes {
+    let mut outcomes = Outcomes { refused: 0, unknown: 0 };
+    for faults in faults {
+        let run = FaultRun::run(&faults, "");
+        assert!(run.matches_log(), "{faults:?}: {:?}, and {} are found", run.acknowledgements, run.found);
+        outcomes.refused += run.count("refused");
+        outcomes.unknown += run.count("unknown");
+    }
+    outcomes
+}
+
 fn syncs_fail(when: &str) -> String {
     format!("fsync,fdatasync:error=EIO:when={when}")
 }
 
 #[test]
 #[ignore = "needs strace"]
-fn what_a_failing_disk_refused_is_not_in_the_log_after_a_crash() {
-    let (mut refused, mut unknown) = (0, 0);
-    for sync in 1..12 {
-        for when in [format!("{sync}"), format!("{sync}+")] {
-            let run = FaultRun::run(&[&syncs_fail(&when)], "");
-            assert!(
-                run.matches_log(),
-                "sync {when} fails: {:?}, and {} are found",
-                run.acknowledgements,
-                run.found
-            );
-            refused += run.count("refused");
-            unknown += run.count("unknown");
-        }
-    }
+fn records_that_a_failing_disk_refused_are_not_in_the_log_after_a_crash() {
+    let faults = (1..12).flat_map(|sync| [format!("{sync}"), format!("{sync}+")]).map(|when| vec![syncs_fail(&when)]);
+    let Outcomes { refused, unknown } = checked_outcomes(faults);
     assert!(refused > 0 && unknown > 0, "{refused} and {unknown}: both were tried");
-    let planted = (1..12).map(|sync| FaultRun::run(&[&syncs_fail(&sync.to_string())], NO_LOG_CLEANUP));
+    let planted = (1..12).map(|sync| FaultRun::run(&[syncs_fail(&sync.to_string())], NO_LOG_CLEANUP));
     let resurrected = planted.filter(|run| !run.matches_log()).count();
     assert!(resurrected > 0, "a store that does not settle a failed commit is caught");
 }
@@ -277,20 +282,9 @@ fn what_a_failing_disk_refused_is_not_in_the_log_after_a_crash() {
 /// Rules: SOCK-4
 #[test]
 #[ignore = "needs strace"]
-fn what_is_refused_when_it_is_sent_again_is_not_in_the_log_either() {
-    let (mut refused, mut unknown) = (0, 0);
-    for write in 4..24 {
-        let full = format!("pwrite64:error=ENOSPC:when={write}+");
-        let run = FaultRun::run(&[&syncs_fail("2+"), &full], "");
-        assert!(
-            run.matches_log(),
-            "write {write} fails: {:?}, and {} are found",
-            run.acknowledgements,
-            run.found
-        );
-        refused += run.count("refused");
-        unknown += run.count("unknown");
-    }
+fn records_refused_when_sent_again_are_not_in_the_log() {
+    let faults = (4..24).map(|write| vec![syncs_fail("2+"), format!("pwrite64:error=ENOSPC:when={write}+")]);
+    let Outcomes { refused, unknown } = checked_outcomes(faults);
     assert!(refused + unknown > 0, "{refused} and {unknown}");
 }
 

@@ -80,9 +80,7 @@ impl Database {
         }
         // FULL: a commit returns once its part of the write-ahead log is on disk. Deleted and replaced data is
         // overwritten, so the file keeps nothing of deleted sessions or earlier checkpoints.
-        connection.execute_batch(
-            "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON; PRAGMA secure_delete = ON",
-        )?;
+        connection.execute_batch("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON; PRAGMA secure_delete = ON")?;
         match schema_version(&connection)? {
             0..SCHEMA_VERSION => upgrade_schema(&mut connection)?,
             SCHEMA_VERSION => {}
@@ -101,11 +99,7 @@ impl Database {
         // A log that did not fit on the disk ends before the page that commits.
         let is_full = reason.sqlite_error_code() == Some(ErrorCode::DiskFull);
         self.may_hold_failed_commit = !is_full && self.truncate_write_ahead_log().is_err();
-        if self.may_hold_failed_commit {
-            StoreError::UnknownOutcome(reason.to_string())
-        } else {
-            reason.into()
-        }
+        if self.may_hold_failed_commit { StoreError::UnknownOutcome(reason.to_string()) } else { reason.into() }
     }
 
     /// Begins a write transaction. It excludes other writers from its start.
@@ -114,8 +108,7 @@ impl Database {
     /// same operation, and a refusal would be wrong if the failed commit came back.
     fn begin(&mut self) -> Result<Writer<'_>, StoreError> {
         if self.may_hold_failed_commit {
-            self.truncate_write_ahead_log()
-                .map_err(|reason| StoreError::UnknownOutcome(reason.to_string()))?;
+            self.truncate_write_ahead_log().map_err(|reason| StoreError::UnknownOutcome(reason.to_string()))?;
             self.may_hold_failed_commit = false;
         }
         Ok(Writer(self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?))
@@ -163,19 +156,17 @@ fn upgrade_schema(connection: &mut Connection) -> Result<(), StoreError> {
         transaction.execute_batch(include_str!("schema-2.sql"))?;
         note_proofs(&transaction)?;
     }
-    if schema_version(&transaction)? == 2 {
-        transaction.execute_batch(include_str!("schema-3.sql"))?;
-    }
-    if schema_version(&transaction)? == 3 {
-        transaction.execute_batch(include_str!("schema-4.sql"))?;
+    for (before, upgrade) in [(2, include_str!("schema-3.sql")), (3, include_str!("schema-4.sql"))] {
+        if schema_version(&transaction)? == before {
+            transaction.execute_batch(upgrade)?;
+        }
     }
     Ok(transaction.commit()?)
 }
 
 /// Adds the proofs to logs that were written before proofs existed.
 fn note_proofs(transaction: &Transaction<'_>) -> Result<(), StoreError> {
-    let mut select =
-        transaction.prepare("SELECT session, seq, json, hash FROM record ORDER BY session, seq")?;
+    let mut select = transaction.prepare("SELECT session, seq, json, hash FROM record ORDER BY session, seq")?;
     let mut rows = select.query([])?;
     let (mut noted, mut proof) = (Vec::new(), String::new());
     while let Some(row) = rows.next()? {

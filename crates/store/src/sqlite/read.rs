@@ -8,9 +8,7 @@ use rusqlite::{CachedStatement, Connection, OptionalExtension, Row, named_params
 
 use super::Database;
 use crate::StoreError;
-use crate::stored::{
-    FoundSession, LastChange, SessionKey, SessionRow, SessionSummary, StoredCheckpoint, StoredRecord,
-};
+use crate::stored::{FoundSession, LastChange, SessionKey, SessionRow, SessionSummary, StoredCheckpoint, StoredRecord};
 
 /// Query of a session with its latest record.
 const SESSION: &str = "
@@ -54,29 +52,22 @@ impl Database {
     /// Reads the line of record `seq`, with its references unresolved.
     pub fn line(&self, key: SessionKey, seq: u64) -> Result<Option<String>, StoreError> {
         let select = "SELECT json FROM record WHERE session = ? AND seq = ?";
-        let mut statement = self.connection.prepare_cached(select)?;
-        Ok(statement.query_row(params![key.0, seq], |row| row.get(0)).optional()?)
+        Ok(self.connection.prepare_cached(select)?.query_row(params![key.0, seq], |row| row.get(0)).optional()?)
     }
 
     /// Finds the record of an actor's operation.
     pub fn record_of(&self, key: SessionKey, actor_id: &str, op_id: &str) -> Result<Option<u64>, StoreError> {
         let select = "SELECT seq FROM record WHERE session = ? AND actor = ? AND op_id = ?";
-        let mut statement = self.connection.prepare_cached(select)?;
-        Ok(statement.query_row(params![key.0, actor_id, op_id], |row| row.get(0)).optional()?)
+        let operation = params![key.0, actor_id, op_id];
+        Ok(self.connection.prepare_cached(select)?.query_row(operation, |row| row.get(0)).optional()?)
     }
 
     /// Finds the reason for which an actor's operation was refused. Returns `None` if no rejection is kept.
-    pub fn rejection_of(
-        &self,
-        key: SessionKey,
-        actor_id: &str,
-        op_id: &str,
-    ) -> Result<Option<Problem>, StoreError> {
+    pub fn rejection_of(&self, key: SessionKey, actor_id: &str, op_id: &str) -> Result<Option<Problem>, StoreError> {
         let select = "SELECT code, message FROM rejection WHERE session = ? AND actor = ? AND op_id = ?";
         let mut statement = self.connection.prepare_cached(select)?;
-        let kept = statement.query_row(params![key.0, actor_id, op_id], |row| {
-            Ok((row.get::<_, String>("code")?, row.get("message")?))
-        });
+        let kept = statement
+            .query_row(params![key.0, actor_id, op_id], |row| Ok((row.get::<_, String>("code")?, row.get("message")?)));
         let Some((code, message)) = kept.optional()? else { return Ok(None) };
         let code = ErrorCode::named(&code).ok_or(StoreError::UnknownCode(code))?;
         Ok(Some(Problem { code, message }))
@@ -127,8 +118,7 @@ pub(super) fn find(connection: &Connection, name: &str) -> Result<FoundSession, 
 }
 
 fn session_row(row: &Row<'_>) -> rusqlite::Result<SessionRow> {
-    let (name, format, noted): (_, _, Option<String>) =
-        (row.get("name")?, row.get("format")?, row.get("proof")?);
+    let (name, format, noted): (_, _, Option<String>) = (row.get("name")?, row.get("format")?, row.get("proof")?);
     let mut row = SessionRow {
         name,
         epoch: row.get("epoch")?,

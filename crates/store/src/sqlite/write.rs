@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use protocol::LogPosition;
+use protocol::{CompactLine, LogPosition, Record};
 use rusqlite::{ErrorCode, OptionalExtension, Row, Transaction, params};
 
 use super::read::{find, find_summary, visit_records};
 use crate::StoreError;
 use crate::limits::{MAX_ALL_REJECTIONS, MAX_REJECTIONS};
-use crate::stored::{FoundSession, NewRecord, Rejection, SessionKey, SessionSummary, StoredRecord};
+use crate::stored::{FoundSession, Rejection, SessionChange, SessionKey, SessionSummary, StoredRecord};
 
 /// Write transaction. [`super::Database::write`] commits it. If it is dropped before, its writes are undone.
 pub struct Writer<'a>(pub(super) Transaction<'a>);
@@ -46,15 +46,11 @@ impl Writer<'_> {
         Ok(made.optional()?)
     }
 
-    pub fn set_title(&self, key: SessionKey, title: &str) -> Result<(), StoreError> {
-        self.0.execute("UPDATE session SET title = ? WHERE id = ?", params![title, key.0])?;
-        Ok(())
-    }
-
-    /// Archives a session, or restores it.
-    pub fn set_archived(&self, key: SessionKey, archived: bool) -> Result<(), StoreError> {
-        self.0.execute("UPDATE session SET archived = ? WHERE id = ?", params![archived, key.0])?;
-        Ok(())
+    /// Changes the title of a session, and archives or restores it. What is `None` stays.
+    pub fn change_session(&self, key: SessionKey, change: &SessionChange) -> Result<(), StoreError> {
+        let SessionChange { title, archived } = change;
+        let update = "UPDATE session SET title = coalesce(?, title), archived = coalesce(?, archived) WHERE id = ?";
+        Ok(self.0.execute(update, params![title, archived, key.0]).map(drop)?)
     }
 
     /// Copies the records, their noted hashes and the checkpoint of `from` to `to`, which has no record. Copies no
@@ -101,26 +97,25 @@ impl Writer<'_> {
     /// contains it in full, or `None` if the log does not contain it.
     pub fn position_of_value(&self, key: SessionKey, hash: &str) -> Result<Option<LogPosition>, StoreError> {
         let select = "SELECT record, at FROM held_value WHERE session = ? AND hash = ?";
-        let mut statement = self.0.prepare_cached(select)?;
-        let place = |row: &Row<'_>| Ok(LogPosition { record: row.get("record")?, at: row.get("at")? });
-        Ok(statement.query_row(params![key.0, hash], place).optional()?)
+        let position = |row: &Row<'_>| Ok(LogPosition { record: row.get("record")?, at: row.get("at")? });
+        Ok(self.0.prepare_cached(select)?.query_row(params![key.0, hash], position).optional()?)
     }
 
-    /// Adds the next record to a log. Refuses a record that does not follow the log, and an operation that the log
-    /// already has.
-    pub fn insert_record(&self, key: SessionKey, record: &NewRecord) -> Result<(), StoreError> {
-        let NewRecord { seq, time_ms, actor_id, actor_name, op_id, line, new_values: first_holds } = record;
+    /// Adds the next record to a log as `line`, in which references replace long values that the log already contains.
+    /// Refuses a record that does not follow the log, and an operation that the log already has.
+    pub fn insert_record(&self, key: SessionKey, record: &Record, line: &CompactLine) -> Result<(), StoreError> {
+        let Record { seq, time_ms, actor, op_id, .. } = record;
         let insert = "INSERT INTO record (session, seq, actor, op_id, json) VALUES (?, ?, ?, ?, ?)";
-        let row = params![key.0, seq, actor_id, op_id, line];
+        let row = params![key.0, seq, actor.id, op_id, line.text];
         self.0.prepare_cached(insert)?.execute(row).map_err(|error| match error.sqlite_error_code() {
             Some(ErrorCode::ConstraintViolation) => StoreError::ConcurrentWrite(*seq),
             _ => error.into(),
         })?;
         let change = "UPDATE session SET changed_ms = ?, changed_by = ? WHERE id = ?";
         let time_ms = i64::try_from(*time_ms).unwrap_or(i64::MAX);
-        self.0.prepare_cached(change)?.execute(params![time_ms, actor_name, key.0])?;
+        self.0.prepare_cached(change)?.execute(params![time_ms, actor.name, key.0])?;
         let hold = "INSERT INTO held_value (session, hash, record, at) VALUES (?, ?, ?, ?)";
-        for (hash, at) in *first_holds {
+        for (hash, at) in &line.new_values {
             self.0.prepare_cached(hold)?.execute(params![key.0, hash, seq, at])?;
         }
         Ok(())
@@ -129,8 +124,7 @@ impl Writer<'_> {
     /// Stores the hash of the document after record `seq`, and the proof of the log up to this record.
     pub fn note_hash(&self, key: SessionKey, seq: u64, hash: &str, proof: &str) -> Result<(), StoreError> {
         let update = "UPDATE record SET hash = ?, proof = ? WHERE session = ? AND seq = ?";
-        self.0.prepare_cached(update)?.execute(params![hash, proof, key.0, seq])?;
-        Ok(())
+        Ok(self.0.prepare_cached(update)?.execute(params![hash, proof, key.0, seq]).map(drop)?)
     }
 
     /// Stores a rejection, and removes the oldest ones over the limits.
@@ -151,15 +145,8 @@ impl Writer<'_> {
     }
 
     /// Stores a session's checkpoint after record `seq` and replaces an earlier one.
-    pub fn replace_checkpoint(
-        &self,
-        key: SessionKey,
-        seq: u64,
-        json: &str,
-        digest: &str,
-    ) -> Result<(), StoreError> {
+    pub fn replace_checkpoint(&self, key: SessionKey, seq: u64, json: &str, digest: &str) -> Result<(), StoreError> {
         let replace = "INSERT OR REPLACE INTO checkpoint (session, seq, json, digest) VALUES (?, ?, ?, ?)";
-        self.0.execute(replace, params![key.0, seq, json, digest])?;
-        Ok(())
+        Ok(self.0.execute(replace, params![key.0, seq, json, digest]).map(drop)?)
     }
 }

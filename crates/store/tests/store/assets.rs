@@ -40,11 +40,7 @@ fn an_asset_is_called_what_it_was_last_called() {
         let refused = store.assets.set_name(&asset, name).expect_err("no name");
         assert_eq!(refused.code(), ErrorCode::BadName, "{name:?}: {refused}");
     }
-    assert_eq!(
-        store.assets.name_of(&asset).expect("a name"),
-        Some(longest.clone()),
-        "a refused name changes nothing"
-    );
+    assert_eq!(store.assets.name_of(&asset).expect("a name"), Some(longest.clone()), "a refused name changes nothing");
     let file = folder.data().join("assets").join(asset.hex() + ".name");
     for damaged in [&b"\xff"[..], b"", longest.repeat(9).as_bytes()] {
         fs::write(&file, damaged).expect("a planted fault");
@@ -66,7 +62,7 @@ fn a_damaged_asset_is_caught_and_can_be_mended() {
 }
 
 #[test]
-fn what_a_killed_upload_left_is_removed() {
+fn leftovers_of_a_killed_upload_are_removed() {
     let folder = Folder::new();
     let store = folder.store();
     let asset = store.assets.put(b"bytes").expect("a file");

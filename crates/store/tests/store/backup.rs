@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 
 use protocol::ErrorCode;
-use rusqlite::Connection;
 use store::{Backup, CommitBatch, Store, back_up};
 
 use crate::support::{Folder, Log, stored_log};
@@ -16,8 +15,7 @@ use crate::support::{Folder, Log, stored_log};
 fn names(folder: &Folder) -> Vec<String> {
     let parent = folder.data().parent().expect("a parent").to_owned();
     let files = fs::read_dir(parent).expect("a folder");
-    let mut names: Vec<_> =
-        files.map(|file| file.expect("a file").file_name().display().to_string()).collect();
+    let mut names: Vec<_> = files.map(|file| file.expect("a file").file_name().display().to_string()).collect();
     names.sort();
     names
 }
@@ -37,8 +35,7 @@ fn a_backup_is_a_data_folder_of_its_own() {
     fs::write(folder.data().join("assets/.incoming-left"), "half").expect("a leftover");
     let to = folder.data().with_file_name("copy");
     let (mut told, mut all) = (0, 0);
-    let backup =
-        back_up(&folder.data(), &to, |step, bytes| (told, all) = (told + step, bytes)).expect("backed up");
+    let backup = back_up(&folder.data(), &to, |step, bytes| (told, all) = (told + step, bytes)).expect("backed up");
     assert_eq!(backup, Backup { sessions: 2, records: 42 + 5, files: 2, bytes: all });
     assert_eq!(told, all, "all of it was told");
     // The open store continues, and the copy has nothing of that.
@@ -77,7 +74,7 @@ fn a_backup_is_never_written_over_and_leaves_nothing_where_it_fails() {
         assert_eq!(fs::read_to_string(&file).expect("still there"), "mine");
     }
     // A database of a newer version is refused.
-    let newer = Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
+    let newer = folder.database();
     newer.pragma_update(None, "user_version", 99).expect("a pragma");
     assert!(refused(&to).to_string().contains("schema 99"));
     newer.pragma_update(None, "user_version", 4).expect("a pragma");
@@ -95,7 +92,7 @@ fn a_backup_is_never_written_over_and_leaves_nothing_where_it_fails() {
 }
 
 #[test]
-fn what_a_killed_backup_left_is_removed_and_one_under_way_is_not() {
+fn leftovers_of_a_killed_backup_are_removed_and_one_in_progress_is_not() {
     let folder = Folder::new();
     stored_log(&mut folder.store(), "main", 3);
     let left = folder.data().with_file_name(".bendylights-backup-left");

@@ -2,14 +2,9 @@
 
 use document::Command;
 use protocol::{ErrorCode, SessionCheckpoint};
-use rusqlite::Connection;
 use store::{RecordTail, Store};
 
-use crate::support::{Folder, Log, SCENE, is_here, of_format_1, stored_log};
-
-fn database(folder: &Folder) -> Connection {
-    Connection::open(folder.data().join("bendylights.sqlite")).expect("a database")
-}
+use crate::support::{Folder, Log, SCENE, exported, is_here, of_format_1, stored_log};
 
 fn opened(store: &Store) -> store::OpenedSession {
     store.open_session("main").expect("a log")
@@ -18,18 +13,14 @@ fn opened(store: &Store) -> store::OpenedSession {
 /// Returns a session of 62 records with a checkpoint after record 42.
 fn with_checkpoint(folder: &Folder) -> (Store, Log) {
     let mut store = folder.store();
-    let log = stored_log(&mut store, "main", 40);
-    let checkpoint = SessionCheckpoint::from(&log.session);
-    store.keep_checkpoint("main", &checkpoint).expect("kept");
-    let mut log = log;
+    let mut log = stored_log(&mut store, "main", 40);
+    store.keep_checkpoint("main", &SessionCheckpoint::from(&log.session)).expect("kept");
     let known = log.records.len();
     for _ in 0..10 {
         log.edit(Command::LoadScene { asset: SCENE, name: "again".into() });
         log.undo();
     }
-    store
-        .append(&[store::CommitBatch { records: &log.records[known..], ..log.batch("main") }])
-        .expect("a commit");
+    store.append(&[store::CommitBatch { records: &log.records[known..], ..log.batch("main") }]).expect("a commit");
     (store, log)
 }
 
@@ -43,11 +34,7 @@ fn only_what_follows_a_checkpoint_is_replayed() {
     assert!(!found.checkpoint_failed && found.checkpoint_bytes > 0);
     assert_eq!((found.session.seq(), found.row.seq), (62, 62));
     assert_eq!(found.session.document().hash(), log.hash());
-    assert_eq!(
-        found.session.session_history(),
-        log.session.session_history(),
-        "undo reaches past the checkpoint"
-    );
+    assert_eq!(found.session.session_history(), log.session.session_history(), "undo reaches past the checkpoint");
     // The log alone gives the same history.
     let replayed = store.replay("main", None).expect("a log");
     assert_eq!(replayed.session_history(), log.session.session_history());
@@ -65,7 +52,7 @@ fn a_checkpoint_that_the_log_does_not_prove_is_passed_over() {
     for fault in planted {
         let folder = Folder::new();
         let (store, log) = with_checkpoint(&folder);
-        assert!(database(&folder).execute(fault, []).expect(fault) == 1);
+        assert!(folder.database().execute(fault, []).expect(fault) == 1);
         let found = opened(&store);
         assert!(found.checkpoint_failed, "{fault}");
         assert_eq!((found.tail.records, found.session.document().hash()), (62, log.hash()), "{fault}");
@@ -85,21 +72,20 @@ fn a_checkpoint_that_the_log_does_not_prove_is_passed_over() {
 fn a_step_takes_a_few_bytes_of_a_checkpoint() {
     let bytes = |edits: u64| SessionCheckpoint::from(&Log::of(edits).session).to_json().len();
     let (few, many) = (bytes(700), bytes(1_400));
-    // Of seven edits one undoes another, so five are in effect. A number of four digits takes a comma.
+    // One of seven edits undoes another, so five are in effect. A number of four digits takes a comma.
     assert!(many - few < 500 * 6, "{} bytes for 500 steps", many - few);
 }
 
 /// Rules: LOG-2, LOG-4
 #[test]
-fn what_follows_a_checkpoint_is_proven() {
+fn records_after_a_checkpoint_are_proven() {
     let folder = Folder::new();
     let (store, _) = with_checkpoint(&folder);
-    let database = database(&folder);
+    let database = folder.database();
     database.execute_batch("DROP TRIGGER record_stays").expect("the trigger that forbids it");
     for (was, now) in [("Ada", "Eve"), ("17900", "17800"), ("again", "agaim")] {
         let fault = format!("UPDATE record SET json = replace(json, '{was}', '{now}') WHERE seq = 61");
-        database.execute_batch(&format!("BEGIN; {fault}")).expect("a change");
-        database.execute_batch("COMMIT").expect("a change");
+        database.execute_batch(&fault).expect("a change");
         let error = store.open_session("main").expect_err(was);
         assert_eq!(error.code(), ErrorCode::BadLog, "{was}: {error}");
         let back = format!("UPDATE record SET json = replace(json, '{now}', '{was}') WHERE seq = 61");
@@ -115,7 +101,7 @@ fn what_follows_a_checkpoint_is_proven() {
 #[test]
 fn a_log_does_not_grow_by_what_it_holds() {
     let folder = Folder::new();
-    let mut store = folder.store();
+    let mut store = folder.store_of_main();
     let mut log = Log::default();
     for _ in 0..16 {
         log.add_long_light();
@@ -128,17 +114,11 @@ fn a_log_does_not_grow_by_what_it_holds() {
         log.edit(Command::LoadScene { asset: SCENE, name: "empty".into() });
         log.undo();
     }
-    store.create_session("main").expect("a new name");
     store.append(&[log.batch("main")]).expect("a commit");
     let in_full = bytes_of(&log.records);
-    let mut text = Vec::new();
-    store.export("main", &mut text).expect("a log");
+    let text = exported(&store, "main");
     assert!(in_full > 15 * lights, "each of 40 records holds the lights: {in_full} of {lights}");
-    assert!(
-        text.len() < lights,
-        "{} bytes of {in_full}, the lights alone stand there twice: {lights}",
-        text.len()
-    );
+    assert!(text.len() < lights, "{} bytes of {in_full}, the lights alone stand there twice: {lights}", text.len());
     let replayed = store.replay("main", None).expect("a log");
     assert_eq!(replayed.document().hash(), log.hash());
     let again = store.records("main", 40, 3).expect("from the middle");
@@ -146,18 +126,14 @@ fn a_log_does_not_grow_by_what_it_holds() {
     assert_eq!(again, wire, "in full");
     // The same through a log file.
     let other = Folder::new();
-    let row = other.store().import(&*text, None, &is_here).expect("a sound log");
-    assert_eq!(
-        (row.seq, row.hash, row.proof),
-        (56, log.hash().to_string(), store.session("main").unwrap().proof)
-    );
+    let row = other.store().import(text.as_bytes(), None, &is_here).expect("a sound log");
+    assert_eq!((row.seq, row.hash, row.proof), (56, log.hash().to_string(), store.session("main").unwrap().proof));
     store.keep_checkpoint("main", &SessionCheckpoint::from(&log.session)).expect("kept");
     assert_eq!(opened(&store).tail, RecordTail::default());
     // A file of format 1, which holds every value in full, gives the same session.
     let lines: Vec<_> = log.records.iter().map(of_format_1).collect();
     let header = r#"{"format":1,"session":"old"}"#;
-    let checkpoint =
-        format!(r#"{{"checkpoint":{{"seq":56,"hash":"{}"}}}}"#, log.session.document().hash_of_format(1));
+    let checkpoint = format!(r#"{{"checkpoint":{{"seq":56,"hash":"{}"}}}}"#, log.session.document().hash_of_format(1));
     let old = format!("{header}\n{}\n{checkpoint}\n", lines.join("\n"));
     assert_eq!(store::replay_log(old.as_bytes(), None).expect("format 1").first_difference, None);
     // Deliberate fault that the check must detect: the hash of today's format, which a log of that time cannot have.

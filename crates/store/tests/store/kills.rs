@@ -41,10 +41,7 @@ fn child_that_duplicates_and_deletes() {
 /// printed.
 fn killed(data: &Path, first: u64, after: Duration) -> (Option<u64>, Option<u64>) {
     let mut child = Command::new(env::current_exe().expect("this program"));
-    child
-        .args(["--exact", CHILD, "--ignored", "--nocapture"])
-        .env(FOLDER, data)
-        .env(FIRST, first.to_string());
+    child.args(["--exact", CHILD, "--ignored", "--nocapture"]).env(FOLDER, data).env(FIRST, first.to_string());
     child.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
     let mut child = child.spawn().expect("the child runs");
     let mut lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
@@ -72,8 +69,7 @@ fn killed(data: &Path, first: u64, after: Duration) -> (Option<u64>, Option<u64>
 fn damage(data: &Path) -> Vec<String> {
     let store = Store::open(data).expect("a store");
     let main = store.replay("main", None).expect("a log").document().hash();
-    let is_whole =
-        |name: &str| store.replay(name, None).is_ok_and(|session| session.document().hash() == main);
+    let is_whole = |name: &str| store.replay(name, None).is_ok_and(|session| session.document().hash() == main);
     let names = store.sessions().expect("a list").into_iter().map(|session| session.name);
     let mut damage: Vec<String> = names.filter(|name| !is_whole(name)).collect();
     let database = Connection::open(data.join("bendylights.sqlite")).expect("a database");
@@ -109,9 +105,7 @@ fn sessions_are_whole_or_gone_after_a_kill() {
     let database = Connection::open(data.join("bendylights.sqlite")).expect("a database");
     database.execute_batch("INSERT INTO session (name) VALUES ('a-part')").expect("planted");
     database
-        .execute_batch(
-            "PRAGMA foreign_keys = OFF; INSERT INTO held_value VALUES (99, printf('%064d', 0), 1, 1)",
-        )
+        .execute_batch("PRAGMA foreign_keys = OFF; INSERT INTO held_value VALUES (99, printf('%064d', 0), 1, 1)")
         .expect("planted");
     assert_eq!(damage(&data), ["a-part", "a row of held_value of no session"], "planted damage is seen");
 }

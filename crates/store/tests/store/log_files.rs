@@ -1,17 +1,9 @@
 //! Log files: written, read back, and refused after a change.
 
-use protocol::ErrorCode;
-use protocol::{FIRST_PROOF, next_proof};
-use store::{Difference, DifferingPart};
-use store::{Store, StoreError, replay_log};
+use protocol::{ErrorCode, FIRST_PROOF, next_proof};
+use store::{Difference, DifferingPart, StoreError, replay_log};
 
-use crate::support::{Folder, Log, empty_hash, is_here, stored_log};
-
-fn exported(store: &Store, session: &str) -> String {
-    let mut text = Vec::new();
-    store.export(session, &mut text).expect("a log");
-    String::from_utf8(text).expect("JSON")
-}
+use crate::support::{Folder, Log, empty_hash, exported, is_here, stored_log};
 
 /// Returns the log of `edits` steps as a file, and the log itself.
 fn log_file(edits: u64) -> (String, Log) {
@@ -60,8 +52,7 @@ fn a_log_goes_out_and_comes_in_again() {
 /// Rules: LOG-1
 #[test]
 fn an_empty_log_is_a_log() {
-    let mut store = Folder::new().store();
-    store.create_session("main").expect("a new name");
+    let mut store = Folder::new().store_of_main();
     let text = exported(&store, "main");
     let header = r#"{"format":5,"session":"main"}"#;
     let checkpoint = checkpoint(0, &empty_hash(), &next_proof("", header));
@@ -82,7 +73,7 @@ fn a_log_file_replays_to_any_record() {
         let session = replayed(Some(to)).expect("a log").session;
         assert_eq!((session.seq(), session.document().hash()), (to, log.hash_after(to)));
     }
-    assert!(matches!(replayed(Some(33)), Err(StoreError::NoRecord { asked: 33, last: 32 })));
+    assert!(matches!(replayed(Some(33)), Err(StoreError::NoRecord { requested: 33, last: 32 })));
 }
 
 /// Rules: LOG-1, LOG-2, REC-1, REC-3, REC-4
@@ -108,44 +99,29 @@ fn a_changed_log_is_refused_by_line_or_record() {
     refused("a value", "record 5: ", &|l| l[4] = l[4].replace("[1.0,", "[1.25,"));
     refused("the last value", "after record 22", &|l| l[24] = l[24].replace("19.0", "19.5"));
     refused("an operation", "record 9 repeats operation op 8", &|l| l[9] = l[9].replace("op 9", "op 8"));
-    refused("an undo's target", "record 9 takes back record 22", &|l| {
-        l[9] = l[9].replace("\"target\":8", "\"target\":22");
-    });
+    let (target, later) = ("\"target\":8", "\"target\":22");
+    refused("an undo's target", "record 9 takes back record 22", &|l| l[9] = l[9].replace(target, later));
     let hash = log.hash().to_string();
-    refused("a hash", "after record 22", &|l| {
-        let last = l.last_mut().expect("lines");
-        *last = last.replace(&hash, &empty_hash());
-    });
-    refused("a proof", "records 21 to 22", &|l| {
-        *l.last_mut().expect("lines") = checkpoint(22, &hash, FIRST_PROOF);
-    });
-    refused("no proof", "records 21 to 22", &|l| {
-        *l.last_mut().expect("lines") = format!(r#"{{"checkpoint":{{"seq":22,"hash":"{hash}"}}}}"#);
-    });
-    refused("a checkpoint's place", "checkpoint of record 21", &|l| {
-        let last = l.last_mut().expect("lines");
-        *last = last.replace("\"seq\":22", "\"seq\":21");
-    });
-    refused("a checkpoint twice", "line 27: a checkpoint of record 22 does not stand directly", &|l| {
-        l.push(l[l.len() - 1].clone());
-    });
+    // The last line, of index 25, is the checkpoint of record 22.
+    assert_eq!(lines.len(), 26);
+    let without_proof = format!(r#"{{"checkpoint":{{"seq":22,"hash":"{hash}"}}}}"#);
+    refused("a hash", "after record 22", &|l| l[25] = l[25].replace(&hash, &empty_hash()));
+    refused("a proof", "records 21 to 22", &|l| l[25] = checkpoint(22, &hash, FIRST_PROOF));
+    refused("no proof", "records 21 to 22", &|l| l[25].clone_from(&without_proof));
+    refused("a checkpoint's place", "checkpoint of record 21", &|l| l[25] = l[25].replace("\"seq\":22", "\"seq\":21"));
+    let twice = "line 27: a checkpoint of record 22 does not stand directly";
+    refused("a checkpoint twice", twice, &|l| l.push(l[25].clone()));
     // Data that no document holds: actor, time and operation id.
-    for (was, now) in
-        [("Ada", "Eve"), ("\"id\":\"a\"", "\"id\":\"e\""), ("17900", "17800"), ("op 21", "op x")]
-    {
+    for (was, now) in [("Ada", "Eve"), ("\"id\":\"a\"", "\"id\":\"e\""), ("17900", "17800"), ("op 21", "op x")] {
         refused(was, "records 21 to 22", &|l| l[23] = l[23].replace(was, now));
     }
-    refused("a session's name", "the header or a line of records 1 to 10", &|l| {
-        l[0] = l[0].replace("main", "other");
-    });
-    refused("an older header", "the header or a line", &|l| {
-        l[0] = l[0].replace("\"format\":5", "\"format\":3");
-    });
+    let in_header = "the header or a line of records 1 to 10";
+    refused("a session's name", in_header, &|l| l[0] = l[0].replace("main", "other"));
+    refused("an older header", "the header or a line", &|l| l[0] = l[0].replace("\"format\":5", "\"format\":3"));
     refused("CR LF", "end in CR LF", &|l| l.iter_mut().for_each(|line| line.push('\r')));
     refused("a newer format", "format 6", &|l| l[0] = l[0].replace("\"format\":5", "\"format\":6"));
-    refused("a newer record", "line 5: format 6", &|l| {
-        l[4] = l[4].replace("\"format\":5", "\"format\":6,\"later\":0");
-    });
+    let newer = "\"format\":6,\"later\":0";
+    refused("a newer record", "line 5: format 6", &|l| l[4] = l[4].replace("\"format\":5", newer));
     refused("an unknown field", "`gobo`", &|l| l[4] = l[4].replacen('{', "{\"gobo\":1,", 1));
     refused("no JSON", "line 5: ", &|l| l[4] = "{".into());
 }
@@ -180,10 +156,7 @@ fn a_replay_says_which_checkpoint_differs_and_goes_on() {
     let planted = text.replace("\"seq\":100,\"hash\":\"", "\"seq\":100,\"hash\":\"0");
     let planted_at = Difference { part: DifferingPart::Document, last_matching_seq: 90, seq: 100 };
     let replayed = replay_log(planted.as_bytes(), None).expect("a log");
-    assert_eq!(
-        (replayed.first_difference, replayed.session.document().hash()),
-        (Some(planted_at), log.hash())
-    );
+    assert_eq!((replayed.first_difference, replayed.session.document().hash()), (Some(planted_at), log.hash()));
     let before = replay_log(planted.as_bytes(), Some(99)).expect("a log");
     assert_eq!(before.first_difference, None);
     let there = replay_log(planted.as_bytes(), Some(100)).expect("a log");

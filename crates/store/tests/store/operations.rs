@@ -4,10 +4,9 @@ use document::Command;
 use edit::Action;
 use light::LightId;
 use protocol::{Committed, ErrorCode, Outcome, Problem};
-use rusqlite::Connection;
 use store::{CommitBatch, MAX_REJECTIONS, Rejection, Store, StoreError};
 
-use crate::support::{Folder, Log, stored_log};
+use crate::support::{Folder, Log, exported, stored_log};
 
 fn folded(message: &str) -> Problem {
     Problem { code: ErrorCode::InvalidLight, message: message.into() }
@@ -34,14 +33,11 @@ fn an_operation_has_its_first_outcome() {
     reject(&mut store, "main", &[rejection("a", "x", "a second answer")]);
     drop(store);
     let store = folder.store();
-    let outcome =
-        |session: &str, actor: &str, op: &str| store.outcome(session, actor, op).expect("an answer");
+    let outcome = |session: &str, actor: &str, op: &str| store.outcome(session, actor, op).expect("an answer");
     let committed = Outcome::Committed(Committed { seq: 7, ..Committed::default() });
     assert_eq!(outcome("main", "a", "op 7"), Some(committed));
     assert_eq!(outcome("main", "a", "x"), Some(Outcome::Rejected(folded("it folds"))));
-    for (session, actor, op) in
-        [("main", "c", "x"), ("other", "a", "op 7"), ("other", "a", "x"), ("main", "a", "y")]
-    {
+    for (session, actor, op) in [("main", "c", "x"), ("other", "a", "op 7"), ("other", "a", "x"), ("main", "a", "y")] {
         assert_eq!(outcome(session, actor, op), None, "{session} {actor} {op}");
     }
     assert!(matches!(store.outcome("none", "a", "x"), Err(StoreError::NoSession(_))));
@@ -51,11 +47,9 @@ fn an_operation_has_its_first_outcome() {
 #[test]
 fn a_refusal_with_a_code_of_a_newer_program_is_named() {
     let folder = Folder::new();
-    let mut store = folder.store();
-    store.create_session("main").expect("a new name");
+    let mut store = folder.store_of_main();
     reject(&mut store, "main", &[rejection("a", "x", "it folds")]);
-    let database = Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
-    database.execute_batch("UPDATE rejection SET code = 'tooBright'").expect("a planted code");
+    folder.plant("UPDATE rejection SET code = 'tooBright'");
     let error = store.outcome("main", "a", "x").expect_err("it is not known");
     assert!(matches!(&error, StoreError::UnknownCode(code) if code == "tooBright"), "{error}");
     assert_eq!(error.code(), ErrorCode::Storage);
@@ -68,16 +62,13 @@ fn a_refusal_with_a_code_of_a_newer_program_is_named() {
 #[test]
 fn an_outcome_is_read_of_its_own_line_alone() {
     let folder = Folder::new();
-    let mut store = folder.store();
-    store.create_session("main").expect("a new name");
+    let mut store = folder.store_of_main();
     let mut log = Log::default();
     log.add_long_light();
     log.edit(Command::RemoveLight(LightId(1)));
     log.undo();
     store.append(&[log.batch("main")]).expect("a commit");
-    let database = Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
-    let fault = "DROP TRIGGER record_stays; UPDATE record SET json = '' WHERE seq = 1";
-    database.execute_batch(fault).expect("a planted fault");
+    folder.plant("DROP TRIGGER record_stays; UPDATE record SET json = '' WHERE seq = 1");
     store.records("main", 3, 1).expect_err("the light is gone");
     let committed = Outcome::Committed(Committed { seq: 3, ..Committed::default() });
     assert_eq!(store.outcome("main", "a", "op 3").expect("an answer"), Some(committed));
@@ -89,13 +80,11 @@ fn an_outcome_is_read_of_its_own_line_alone() {
 #[test]
 fn an_outcome_that_is_referred_to_is_found() {
     let folder = Folder::new();
-    let mut store = folder.store();
-    store.create_session("main").expect("a new name");
+    let mut store = folder.store_of_main();
     let mut log = Log::of(5);
     log.undo();
     log.undo();
-    let skipped: Vec<String> =
-        (0..40).map(|n| format!("light {n}'s radius has been changed since")).collect();
+    let skipped: Vec<String> = (0..40).map(|n| format!("light {n}'s radius has been changed since")).collect();
     for record in &mut log.records {
         if let Action::Undo { skipped: said, .. } = &mut record.action {
             said.clone_from(&skipped);
@@ -112,13 +101,11 @@ fn an_outcome_that_is_referred_to_is_found() {
 /// Rules: REC-4
 #[test]
 fn an_actors_latest_rejections_are_kept() {
-    let mut store = Folder::new().store();
-    store.create_session("main").expect("a new name");
+    let mut store = Folder::new().store_of_main();
     let many: Vec<_> = (0..=MAX_REJECTIONS).map(|op| rejection("a", &op.to_string(), "no")).collect();
     reject(&mut store, "main", &[rejection("b", "0", "no")]);
     reject(&mut store, "main", &many);
-    let is_kept =
-        |actor, op: u64| store.outcome("main", actor, &op.to_string()).expect("an answer").is_some();
+    let is_kept = |actor, op: u64| store.outcome("main", actor, &op.to_string()).expect("an answer").is_some();
     assert!(!is_kept("a", 0) && is_kept("a", 1) && is_kept("a", MAX_REJECTIONS));
     assert!(is_kept("b", 0), "another's flood takes none of his");
 }
@@ -128,12 +115,7 @@ fn an_actors_latest_rejections_are_kept() {
 fn a_log_file_with_an_operation_twice_is_refused() {
     let mut store = Folder::new().store();
     stored_log(&mut store, "main", 5);
-    let mut text = Vec::new();
-    store.export("main", &mut text).expect("a log");
-    let text = String::from_utf8(text).expect("JSON").replace("\"opId\":\"op 4\"", "\"opId\":\"op 3\"");
+    let text = exported(&store, "main").replace("\"opId\":\"op 4\"", "\"opId\":\"op 3\"");
     let error = store::replay_log(text.as_bytes(), None).expect_err("twice");
-    assert_eq!(
-        error.to_string().split(':').next(),
-        Some("record 4 repeats operation op 3 of the same actor")
-    );
+    assert_eq!(error.to_string().split(':').next(), Some("record 4 repeats operation op 3 of the same actor"));
 }

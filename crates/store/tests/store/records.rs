@@ -2,7 +2,6 @@
 
 use edit::{Record, ReplayError};
 use protocol::ErrorCode;
-use rusqlite::Connection;
 use store::{CommitBatch, Store, StoreError};
 
 use crate::support::{Folder, Log, stored_log};
@@ -15,7 +14,7 @@ fn all(store: &Store, session: &str) -> Vec<Record> {
 
 /// Rules: REC-1, HTTP-7
 #[test]
-fn what_is_appended_comes_back_as_it_was() {
+fn appended_records_come_back_unchanged() {
     let folder = Folder::new();
     let log = stored_log(&mut folder.store(), "main", 100);
     let store = Store::open(&folder.data()).expect("a store");
@@ -39,29 +38,26 @@ fn batches_are_committed_all_or_none() {
         store.create_session(name).expect("a new name");
     }
     let log = Log::of(5);
-    store
-        .append(&[log.batch("a"), log.batch("b"), CommitBatch { records: &[], ..log.batch("a") }])
-        .expect("a commit");
+    store.append(&[log.batch("a"), log.batch("b"), CommitBatch { records: &[], ..log.batch("a") }]).expect("a commit");
 
     let other = Log::of(20);
-    let next = |records| CommitBatch { session: "a", records, rejections: &[], hash: other.hash() };
+    let next = |records| CommitBatch { records, ..other.batch("a") };
+    let of_b = |records| CommitBatch { records, ..other.batch("b") };
     let refused = |store: &mut Store, bad: CommitBatch, why: &str| {
         let error = store.append(&[next(&other.records[7..10]), bad]).expect_err(why);
         assert_eq!(store.session("a").expect("a session").seq, 7, "{why}: nothing of the other batch stays");
         error
     };
-    let gap =
-        CommitBatch { session: "b", records: &other.records[8..9], rejections: &[], hash: other.hash() };
-    assert!(matches!(refused(&mut store, gap, "a gap"), StoreError::ConcurrentWrite(9)));
-    let again =
-        CommitBatch { session: "b", records: &other.records[6..7], rejections: &[], hash: other.hash() };
-    assert!(matches!(refused(&mut store, again, "a record again"), StoreError::ConcurrentWrite(7)));
-    let mut same_operation = other.records[7].clone();
-    same_operation.op_id = "op 1".into();
-    let same = CommitBatch { session: "b", records: &[same_operation], rejections: &[], hash: other.hash() };
-    assert!(matches!(refused(&mut store, same, "an operation again"), StoreError::ConcurrentWrite(8)));
-    let nowhere =
-        CommitBatch { session: "c", records: &other.records[..1], rejections: &[], hash: other.hash() };
+    let same_operation = [Record { op_id: "op 1".into(), ..other.records[7].clone() }];
+    for (records, seq, why) in [
+        (&other.records[8..9], 9, "a gap"),
+        (&other.records[6..7], 7, "a record again"),
+        (&same_operation, 8, "an operation again"),
+    ] {
+        let error = refused(&mut store, of_b(records), why);
+        assert!(matches!(error, StoreError::ConcurrentWrite(at) if at == seq), "{why}: {error}");
+    }
+    let nowhere = CommitBatch { records: &other.records[..1], ..other.batch("c") };
     assert!(matches!(refused(&mut store, nowhere, "no session"), StoreError::NoSession(_)));
     store.append(&[next(&other.records[7..10])]).expect("the same without the fault");
 }
@@ -69,8 +65,7 @@ fn batches_are_committed_all_or_none() {
 /// Rules: REC-1
 #[test]
 fn a_record_over_the_limit_is_refused() {
-    let mut store = Folder::new().store();
-    store.create_session("main").expect("a new name");
+    let mut store = Folder::new().store_of_main();
     let mut log = Log::of(0);
     log.records[1].actor.name = "x".repeat(store::MAX_RECORD_BYTES);
     let refused = store.append(&[log.batch("main")]).expect_err("too large");
@@ -83,7 +78,7 @@ fn a_record_over_the_limit_is_refused() {
 fn the_database_itself_keeps_a_log_in_order() {
     let folder = Folder::new();
     stored_log(&mut folder.store(), "main", 3);
-    let database = Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
+    let database = folder.database();
     database.execute_batch("PRAGMA foreign_keys = ON").expect("a pragma");
     for forbidden in [
         "INSERT INTO record (session, seq, actor, op_id, json) VALUES (1, 7, 'b', 'x', '')",
@@ -120,7 +115,7 @@ fn replay_gives_the_document_of_any_record() {
         let session = replayed(Some(record.seq));
         assert_eq!((session.seq(), session.document().hash()), (record.seq, step_by_step.document().hash()));
     }
-    assert!(matches!(store.replay("main", Some(43)), Err(StoreError::NoRecord { asked: 43, last: 42 })));
+    assert!(matches!(store.replay("main", Some(43)), Err(StoreError::NoRecord { requested: 43, last: 42 })));
 }
 
 /// Rules: LOG-2, LOG-3, REC-3
@@ -129,7 +124,7 @@ fn replay_names_the_record_that_was_tampered_with() {
     let folder = Folder::new();
     let mut store = folder.store();
     stored_log(&mut store, "main", 40);
-    let database = Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
+    let database = folder.database();
     database.execute_batch("DROP TRIGGER record_stays").expect("the trigger that forbids it");
     let error = |change: &str| {
         database.execute_batch(&format!("SAVEPOINT before; {change}; RELEASE before")).expect("a change");

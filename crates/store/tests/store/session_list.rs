@@ -8,9 +8,7 @@ use protocol::ErrorCode;
 use rusqlite::Connection;
 use store::{CommitBatch, LastChange, SessionChange, Store, StoreError, replay_log};
 
-use crate::support::{Folder, Log, of_format_1, stored_log};
-
-const DATABASE: &str = "bendylights.sqlite";
+use crate::support::{DATABASE, Folder, Log, exported, of_format_1, stored_log};
 
 fn titled(title: &str) -> SessionChange {
     SessionChange { title: Some(title.into()), archived: None }
@@ -20,18 +18,10 @@ fn archived(archived: bool) -> SessionChange {
     SessionChange { title: None, archived: Some(archived) }
 }
 
-fn exported(store: &Store, session: &str) -> Vec<String> {
-    let mut file = Vec::new();
-    store.export(session, &mut file).expect("a log");
-    String::from_utf8(file).expect("text").lines().map(str::to_owned).collect()
-}
-
 /// Finds the words that occur in a file of the database.
 fn found(data: &Path, words: &[&str]) -> Vec<String> {
-    let files =
-        [DATABASE, "bendylights.sqlite-wal"].map(|file| fs::read(data.join(file)).unwrap_or_default());
-    let holds =
-        |word: &&&str| files.iter().any(|file| file.windows(word.len()).any(|at| at == word.as_bytes()));
+    let files = [DATABASE, "bendylights.sqlite-wal"].map(|file| fs::read(data.join(file)).unwrap_or_default());
+    let holds = |word: &&&str| files.iter().any(|file| file.windows(word.len()).any(|at| at == word.as_bytes()));
     words.iter().filter(holds).map(|word| (*word).to_owned()).collect()
 }
 
@@ -64,10 +54,7 @@ fn a_list_reads_no_log() {
         stored_log(&mut store, name, 40);
     }
     let before = store.sessions().expect("a list");
-    let database = Connection::open(folder.data().join(DATABASE)).expect("a database");
-    database
-        .execute_batch("DROP TRIGGER record_stays; UPDATE record SET json = 'gone', hash = NULL")
-        .expect("gone");
+    folder.plant("DROP TRIGGER record_stays; UPDATE record SET json = 'gone', hash = NULL");
     assert_eq!(store.sessions().expect("a list"), before);
     assert!(store.open_session("a").is_err(), "a session that is opened does read it");
 }
@@ -85,9 +72,7 @@ fn a_title_and_the_archive_leave_name_and_log_alone() {
     assert_eq!(exported(&store, "main"), log);
     let mut longer = Log::of(3);
     longer.add_long_light();
-    store
-        .append(&[CommitBatch { records: &longer.records[5..], ..longer.batch("main") }])
-        .expect("it goes on");
+    store.append(&[CommitBatch { records: &longer.records[5..], ..longer.batch("main") }]).expect("it goes on");
     assert!(!store.change_session("main", &archived(false)).expect("brought back").is_archived);
     for title in ["", " a", "a ", "a\nb", &"x".repeat(257)] {
         let refused = store.change_session("main", &titled(title)).expect_err(title);
@@ -109,14 +94,15 @@ fn a_duplicate_has_the_whole_log_and_proofs_of_its_own() {
     let main = store.summary("main").expect("a session");
     assert_eq!((&*copy.title, copy.seq, &copy.changed), ("Main copy", main.seq, &main.changed));
     assert_ne!(copy.epoch, main.epoch, "another history from here on");
-    let [of_main, of_copy] = ["main", "copy"].map(|name| exported(&store, name));
-    let records = |lines: &[String]| -> Vec<String> {
-        lines.iter().filter(|line| line.starts_with("{\"format\":5,\"seq\"")).cloned().collect()
+    let files = ["main", "copy"].map(|name| exported(&store, name));
+    let [of_main, of_copy] = files.each_ref().map(|file| file.lines().collect::<Vec<_>>());
+    let records = |lines: &[&str]| -> Vec<String> {
+        lines.iter().filter(|line| line.starts_with("{\"format\":5,\"seq\"")).map(|line| (*line).into()).collect()
     };
     assert_eq!(records(&of_main), records(&of_copy));
     assert_eq!(records(&of_main).len(), 42);
     assert_ne!(of_main.last(), of_copy.last(), "the proofs cover the name");
-    let replayed = replay_log((of_copy.join("\n") + "\n").as_bytes(), None).expect("a log");
+    let replayed = replay_log(files[1].as_bytes(), None).expect("a log");
     assert!(replayed.first_difference.is_none(), "{:?}", replayed.first_difference);
     // Deliberate fault that the check must detect: the proofs of the original do not fit the copy.
     let planted = [&of_copy[..1], &of_main[1..]].concat().join("\n") + "\n";
@@ -139,10 +125,7 @@ fn a_duplicate_proves_no_line_that_was_changed() {
     let folder = Folder::new();
     let mut store = folder.store();
     stored_log(&mut store, "main", 20);
-    let database = Connection::open(folder.data().join(DATABASE)).expect("a database");
-    let fault =
-        "DROP TRIGGER record_stays; UPDATE record SET json = replace(json, 'Ada', 'Eve') WHERE seq = 7";
-    database.execute_batch(fault).expect("planted");
+    folder.plant("DROP TRIGGER record_stays; UPDATE record SET json = replace(json, 'Ada', 'Eve') WHERE seq = 7");
     let refused = store.duplicate_session("main", "copy", None).expect_err("a changed line");
     assert_eq!(refused.code(), ErrorCode::BadLog);
     assert!(matches!(refused, StoreError::ProofMismatch { seq: 10 }), "the next that has a proof: {refused}");
@@ -154,7 +137,7 @@ fn a_duplicate_proves_no_line_that_was_changed() {
 fn a_log_of_an_earlier_format_is_duplicated_as_it_stands() {
     let folder = Folder::new();
     fs::create_dir_all(folder.data().join("assets")).expect("a folder");
-    let database = Connection::open(folder.data().join(DATABASE)).expect("a database");
+    let database = folder.database();
     database.execute_batch(include_str!("../../src/sqlite/schema-1.sql")).expect("version 1");
     database.execute("INSERT INTO session (name) VALUES ('old')", []).expect("a session");
     let log = Log::of(9);
@@ -162,8 +145,7 @@ fn a_log_of_an_earlier_format_is_duplicated_as_it_stands() {
     for record in &log.records {
         let hash = (record.seq == log.session.seq()).then_some(&hash);
         let row = rusqlite::params![record.seq, record.op_id, of_format_1(record), hash];
-        let insert =
-            "INSERT INTO record (session, seq, actor, op_id, json, hash) VALUES (1, ?, 'a', ?, ?, ?)";
+        let insert = "INSERT INTO record (session, seq, actor, op_id, json, hash) VALUES (1, ?, 'a', ?, ?, ?)";
         database.execute(insert, row).expect("a record");
     }
     drop(database);
@@ -174,12 +156,13 @@ fn a_log_of_an_earlier_format_is_duplicated_as_it_stands() {
     store.duplicate_session("old", "copy", None).expect("a new name");
     let replayed = store.replay("copy", None).expect("a log that is proven");
     assert_eq!(replayed.document().hash(), log.hash());
-    assert_eq!(exported(&store, "copy")[0], exported(&store, "old")[0].replace("old", "copy"));
+    let header = |name| exported(&store, name).lines().next().map(str::to_owned);
+    assert_eq!(header("copy"), header("old").map(|line| line.replace("old", "copy")));
 }
 
 /// Rules: HTTP-35, REC-1
 #[test]
-fn what_is_deleted_is_gone_from_the_disk_and_nothing_else() {
+fn a_deleted_session_alone_is_gone_from_the_disk() {
     let folder = Folder::new();
     let mut store = folder.store();
     let scene = store.assets.put(b"a scene").expect("a file");
@@ -213,7 +196,7 @@ fn no_program_takes_a_part_of_a_log() {
     let folder = Folder::new();
     let mut store = folder.store();
     stored_log(&mut store, "main", 3);
-    let mut database = Connection::open(folder.data().join(DATABASE)).expect("a database");
+    let mut database = folder.database();
     database.execute_batch("PRAGMA foreign_keys = ON").expect("a pragma");
     let refused = |database: &Connection, sql: &str| database.execute_batch(sql).expect_err(sql).to_string();
     assert!(refused(&database, "DELETE FROM record WHERE seq = 5").contains("only grows"));
@@ -223,10 +206,8 @@ fn no_program_takes_a_part_of_a_log() {
     assert!(refused(&database, "DELETE FROM session").contains("FOREIGN KEY"));
     // Some of its records without the rest, after its row.
     let some = database.transaction().expect("a transaction");
-    some.execute_batch(
-        "PRAGMA defer_foreign_keys = ON; DELETE FROM session; DELETE FROM record WHERE seq = 5",
-    )
-    .expect("not committed yet");
+    some.execute_batch("PRAGMA defer_foreign_keys = ON; DELETE FROM session; DELETE FROM record WHERE seq = 5")
+        .expect("not committed yet");
     assert!(some.commit().expect_err("records of no session").to_string().contains("FOREIGN KEY"));
     assert_eq!(store.replay("main", None).expect("all of it").seq(), 5);
 }

@@ -49,9 +49,7 @@ fn a_folder_without_data_is_not_made_by_looking() {
 fn a_database_of_a_newer_program_is_left_alone() {
     let folder = Folder::new();
     drop(folder.store());
-    let database = rusqlite::Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
-    database.execute_batch("PRAGMA user_version = 5").expect("a pragma");
-    drop(database);
+    folder.plant("PRAGMA user_version = 5");
     assert!(matches!(Store::create(&folder.data()), Err(StoreError::NewerDatabase { found: 5, .. })));
     assert!(matches!(Store::open(&folder.data()), Err(StoreError::NewerDatabase { found: 5, .. })));
 }
@@ -63,8 +61,7 @@ fn a_database_of_a_newer_program_is_left_alone() {
 fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
     let folder = Folder::new();
     std::fs::create_dir_all(folder.data().join("assets")).expect("a folder");
-    let path = folder.data().join("bendylights.sqlite");
-    let database = rusqlite::Connection::open(&path).expect("a database");
+    let database = folder.database();
     database.execute_batch(include_str!("../../src/sqlite/schema-1.sql")).expect("version 1");
     let log = Log::of(30);
     for name in ["one", "two", "planted"] {
@@ -75,10 +72,8 @@ fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
             if name == "planted" {
                 json = json.replace(r#""type":"bendy""#, r#""type":"bendy","exposure":50.0"#);
             }
-            let hash =
-                (record.seq % 4 == 0).then(|| log.document_after(record.seq).hash_of_format(1).to_string());
-            let insert =
-                "INSERT INTO record (session, seq, actor, op_id, json, hash) VALUES (?, ?, 'a', ?, ?, ?)";
+            let hash = (record.seq % 4 == 0).then(|| log.document_after(record.seq).hash_of_format(1).to_string());
+            let insert = "INSERT INTO record (session, seq, actor, op_id, json, hash) VALUES (?, ?, 'a', ?, ?, ?)";
             database
                 .execute(insert, rusqlite::params![session, record.seq, record.op_id, json, hash])
                 .expect("a record");

@@ -8,6 +8,7 @@ use edit::{Actor, EditRequest, EditSources, Record, Session, UndoScope};
 use glam::DVec3;
 use light::parameters::{NAME, POINT_INTENSITY, TRANSLATION};
 use light::{CheckedLight, Light, LightId, ParameterOwner};
+use rusqlite::Connection;
 use serde_json::Value;
 use store::{CommitBatch, Store};
 use tempfile::TempDir;
@@ -18,6 +19,8 @@ pub const SCENE: AssetHash = AssetHash([7; 32]);
 pub fn is_here(asset: &AssetHash) -> bool {
     *asset == SCENE
 }
+
+pub const DATABASE: &str = "bendylights.sqlite";
 
 /// A folder for the data of one test.
 pub struct Folder(TempDir);
@@ -34,6 +37,22 @@ impl Folder {
 
     pub fn store(&self) -> Store {
         Store::create(&self.data()).expect("a store")
+    }
+
+    /// Returns a store with the empty session `main`.
+    pub fn store_of_main(&self) -> Store {
+        let mut store = self.store();
+        store.create_session("main").expect("a new name");
+        store
+    }
+
+    pub fn database(&self) -> Connection {
+        Connection::open(self.data().join(DATABASE)).expect("a database")
+    }
+
+    /// Plants a fault in the database.
+    pub fn plant(&self, fault: &str) {
+        self.database().execute_batch(fault).expect(fault);
     }
 }
 
@@ -67,7 +86,7 @@ impl Log {
                     let setting = POINT_INTENSITY.to(value + 1.5);
                     log.edit(Command::SetPoint { light, point: 1, setting });
                 }
-                6 => log.take(EditRequest::Undo(UndoScope::Mine)),
+                6 => log.undo(),
                 _ => {
                     let setting = TRANSLATION.to(DVec3::splat(value));
                     log.edit(Command::SetLight { light, setting });
@@ -97,10 +116,10 @@ impl Log {
         let actor = Actor { id: "a".into(), name: "Ada".into() };
         let op_id = format!("op {}", self.session.seq() + 1);
         let record = |seq: u64| self.records.get(seq as usize - 1).cloned();
-        let taken_back = self.session.find_revert(&request, &actor.id, &record);
+        let reverted = self.session.find_revert(&request, &actor.id, &record);
         let contents = SceneContents::default();
         let context = CommandContext { loaded: Some(&contents), ..CommandContext::default() };
-        let sources = EditSources { context, reverted: taken_back.expect("something to take back") };
+        let sources = EditSources { context, reverted: reverted.expect("something to revert") };
         let record = self.session.execute_request(request, &actor, &op_id, 1_790_000_000_000, sources);
         self.records.push(record.expect("a valid request"));
     }
@@ -151,6 +170,13 @@ pub fn of_format_1(record: &Record) -> String {
 
 pub fn empty_hash() -> String {
     Document::default().hash().to_string()
+}
+
+/// Returns the log of a session as a file.
+pub fn exported(store: &Store, session: &str) -> String {
+    let mut text = Vec::new();
+    store.export(session, &mut text).expect("a log");
+    String::from_utf8(text).expect("JSON")
 }
 
 /// Stores the log of [`Log::of`] as a session `name`, in batches of ten records.

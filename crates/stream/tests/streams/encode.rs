@@ -21,9 +21,8 @@ fn decoded(bytes: &[u8]) -> RgbImage {
 /// Returns the root mean square of the difference of all channels, in steps of 1/255.
 fn error(rgba: &[u8], decoded: &RgbImage) -> f64 {
     let pairs = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).zip(decoded.as_raw());
-    let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), (&a, &b)| {
-        (sum + (f64::from(a) - f64::from(b)).powi(2), count + 1.0)
-    });
+    let (sum, count) =
+        pairs.fold((0.0, 0.0), |(sum, count), (&a, &b)| (sum + (f64::from(a) - f64::from(b)).powi(2), count + 1.0));
     f64::sqrt(sum / count)
 }
 
@@ -58,7 +57,7 @@ fn jpeg_comes_closer_with_quality() {
 }
 
 #[test]
-fn what_is_no_picture_is_refused_with_a_sentence() {
+fn pixels_of_another_size_are_refused_with_a_sentence() {
     let pixels = picture(4, 4);
     let refused = png(&pixels, 4, 5).expect_err("a row is missing");
     assert_eq!(refused.to_string(), "a picture of 4x5 has 80 bytes, not 64: pass 4 bytes for each pixel");

@@ -58,16 +58,13 @@ fn a_message_that_is_no_frame_is_refused_with_a_sentence() {
     assert_eq!(with(1, 0), StreamError::Unknown { field: "codec", value: 0 });
     assert_eq!(with(2, 8), StreamError::Unknown { field: "flags", value: 8 });
     let short = FrameHeader::from_bytes(&header().to_bytes()[..63]).expect_err("cut off");
-    assert_eq!(
-        short.to_string(),
-        "a frame begins with 64 bytes of header, but the message has 63: send it whole"
-    );
+    assert_eq!(short.to_string(), "a frame begins with 64 bytes of header, but the message has 63: send it whole");
 }
 
 proptest! {
     /// Any message is either read or refused. A header that is read is written back unchanged.
     #[test]
-    fn what_is_read_is_written_back(
+    fn a_header_that_is_read_is_written_back(
         mut message in proptest::collection::vec(any::<u8>(), 0..80),
         sound in any::<bool>(),
     ) {

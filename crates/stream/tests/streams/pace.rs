@@ -30,7 +30,7 @@ struct Client {
 impl Client {
     fn new(delays_ms: &[Option<u64>]) -> Self {
         let delays_ms = delays_ms.to_vec();
-        Self { delays_ms, pace: FramePacer::new(), wake: None, acks: VecDeque::new(), sent: Vec::new() }
+        Self { delays_ms, pace: FramePacer::default(), wake: None, acks: VecDeque::new(), sent: Vec::new() }
     }
 
     /// Delivers the acknowledgements that are due. Returns true if there were any.
@@ -95,12 +95,10 @@ fn play(changes_ms: &[u64], links: &[&[Option<u64>]]) -> Vec<Vec<Sent>> {
 fn faults(sent: &[Sent], changes_ms: &[u64]) -> Vec<&'static str> {
     let mut faults = Vec::new();
     let mut fault = |found: bool, what| faults.extend(found.then_some(what));
-    let changes_ms: Vec<u64> =
-        [0].into_iter().chain(changes_ms.iter().copied().filter(|at| *at > 0)).collect();
+    let changes_ms: Vec<u64> = [0].into_iter().chain(changes_ms.iter().copied().filter(|at| *at > 0)).collect();
     let settle_ms = SETTLE_AFTER.as_millis() as u64;
     for (index, frame) in sent.iter().enumerate() {
-        let under_way =
-            sent[..=index].iter().filter(|f| f.acked_at_ms.is_none_or(|at| at > frame.at_ms)).count();
+        let under_way = sent[..=index].iter().filter(|f| f.acked_at_ms.is_none_or(|at| at > frame.at_ms)).count();
         fault(under_way > MAX_FRAMES_IN_FLIGHT, "more frames under way than the window holds");
         let last_change_ms = changes_ms.iter().rfind(|at| **at <= frame.at_ms).expect("0 is one");
         let is_settled = frame.quality == FrameQuality::Settled;
@@ -112,10 +110,7 @@ fn faults(sent: &[Sent], changes_ms: &[u64]) -> Vec<&'static str> {
         fault(again, "the same frame twice");
     }
     let last = sent.last().map(|frame| (frame.revision, frame.quality));
-    fault(
-        last != Some((changes_ms.len() as u64, FrameQuality::Settled)),
-        "the last state did not arrive settled",
-    );
+    fault(last != Some((changes_ms.len() as u64, FrameQuality::Settled)), "the last state did not arrive settled");
     faults
 }
 
@@ -200,7 +195,7 @@ fn a_silent_client_gets_one_frame() {
 fn a_client_that_wakes_up_goes_on() {
     let start = Instant::now();
     let at = |ms| start + Duration::from_millis(ms);
-    let mut pace = FramePacer::new();
+    let mut pace = FramePacer::default();
     let content = |revision, ms| ViewContent { revision, changed_at: at(ms) };
     assert_eq!(pace.next(content(1, 1), at(1)), NextFrame::Moving);
     pace.sent(1, 1, FrameQuality::Moving, at(1));
@@ -224,7 +219,7 @@ fn a_client_that_wakes_up_goes_on() {
 #[test]
 fn a_client_may_pass_frames_over() {
     let now = Instant::now();
-    let mut pace = FramePacer::new();
+    let mut pace = FramePacer::default();
     pace.sent(0, 0, FrameQuality::Moving, now);
     assert_eq!(pace.acked(0, now), Some(Duration::ZERO));
     for frame in 1..=3 {

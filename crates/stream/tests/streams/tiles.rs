@@ -40,7 +40,7 @@ proptest! {
     /// The differing tiles, drawn onto the first picture, give the second one. No pixel is sent twice, and tiles start
     /// at blocks of JPEG.
     #[test]
-    fn what_differs_makes_the_picture((width, height, before, after) in pictures()) {
+    fn differing_tiles_make_the_picture((width, height, before, after) in pictures()) {
         let tiles = changed_tiles(&before, &after, width, height).expect("sound");
         let (canvas, covered) = composed(&before, &after, width, &tiles);
         prop_assert!(canvas == after);

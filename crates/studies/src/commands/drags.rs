@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use assets::LoadedScene;
 use bench::drag::{TrialKind, TrialScene};
-use cli::{OutputFile, Size, print_answer, print_note, progress};
+use cli::{OutputFile, Size, print_note, progress};
 use studies::StudyError;
 use studies::drags::{self, DragStudyOptions, DragStudyReport, ReportCell};
+
+use super::print_json;
 
 /// The demo, and scenes of other authors beside the checkout.
 const SCENES: [&str; 4] = [
@@ -79,16 +81,14 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
         if let Some(folder) = &args.failures {
             failures.iter().try_for_each(|failure| write(folder, failure))?;
         }
-        cells.extend(
-            TrialKind::all().map(|kind| ReportCell::of(&drags::file_name_of(scene), kind, outcomes.iter())),
-        );
+        cells.extend(TrialKind::all().map(|kind| ReportCell::of(&drags::file_name_of(scene), kind, outcomes.iter())));
         all.extend(outcomes);
     }
     bar.finish_and_clear();
     cells.extend(TrialKind::all().map(|kind| ReportCell::of("all", kind, all.iter())));
     let report = DragStudyReport { drags: options.drags, seed: options.seed, pins: options.pins, cells };
     report.table().lines().for_each(print_note);
-    Ok(print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    Ok(print_json(&report)?)
 }
 
 /// Opens a scene. Returns `None` if there is no such file.
@@ -102,8 +102,7 @@ fn open(name: &str) -> Result<Option<LoadedScene>, StudyError> {
 
 fn write(folder: &Path, failure: &drags::DragFailure) -> Result<(), StudyError> {
     let file = |kind: &str, text: String| -> Result<(), StudyError> {
-        Ok(OutputFile::create(&folder.join(format!("{}.{kind}.json", failure.name)))?
-            .write(text.as_bytes())?)
+        Ok(OutputFile::create(&folder.join(format!("{}.{kind}.json", failure.name)))?.write(text.as_bytes())?)
     };
     file("light", failure.light.clone())?;
     file("drags", failure.drags.to_string())?;

@@ -2,9 +2,11 @@
 
 use std::time::Duration;
 
-use cli::{print_answer, progress};
+use cli::progress;
 use studies::StudyError;
 use studies::stress::{self, Length, Property, StressOptions};
+
+use super::print_json;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -60,7 +62,7 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
     let result = stress::run(&options, |share| bar.set_position((1_000.0 * share) as u64));
     bar.finish_and_clear();
     let report = result?;
-    print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    print_json(&report)?;
     match report.failed().next() {
         None => Ok(()),
         Some((property, failure)) => {

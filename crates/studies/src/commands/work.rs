@@ -1,10 +1,12 @@
 //! `bendylights-studies work`: the cost of drags.
 
-use cli::{print_answer, progress};
+use cli::progress;
 use drag::MAX_DRAG_STEPS;
 use serde_json::json;
 use studies::StudyError;
 use studies::work::{random, search, stages};
+
+use super::print_json;
 
 /// Size in pixels of the picture in which features are dragged.
 const SIZE: [u32; 2] = [640, 360];
@@ -38,9 +40,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), StudyError> {
     let stages = stages(args.triangles, SIZE);
     let bar = progress((args.drags + args.tries) as u64);
-    let drags = random(&stages, args.drags, (args.seed, MAX_DRAG_STEPS), || bar.inc(1));
-    let most_expensive = search(&stages, args.tries, (args.seed, MAX_DRAG_STEPS), || bar.inc(1));
+    let drags = random(&stages, args.drags, args.seed, MAX_DRAG_STEPS, || bar.inc(1));
+    let most_expensive = search(&stages, args.tries, args.seed, MAX_DRAG_STEPS, || bar.inc(1));
     bar.finish_and_clear();
     let report = json!({ "mostSteps": MAX_DRAG_STEPS, "drags": drags, "mostExpensive": most_expensive });
-    Ok(print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    Ok(print_json(&report)?)
 }

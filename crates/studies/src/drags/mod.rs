@@ -1,7 +1,7 @@
 //! Compares the random drags that converge with the product's solver and those that converge with a slow solver with
 //! restarts.
 
-mod pins;
+pub(crate) mod pins;
 mod relaxed;
 mod report;
 mod slow;
@@ -21,6 +21,7 @@ use serde_json::{Value, json};
 pub use report::{DragStudyReport, ReportCell, StudyOutcome};
 
 use pins::StudyPin;
+use slow::FoundLight;
 
 /// Options of the study of drags.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +52,7 @@ struct StudiedDrag {
     number: usize,
     trial: Trial,
     pins: Vec<StudyPin>,
-    landing: DragResult,
+    result: DragResult,
     ms: f64,
 }
 
@@ -78,8 +79,8 @@ pub fn run(
         // One after the other, since they are timed.
         let made = trials.into_iter().map(|(number, trial, pins)| {
             let began = Instant::now();
-            let landing = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
-            StudiedDrag { number, trial, pins, landing, ms: began.elapsed().as_secs_f64() * 1e3 }
+            let result = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
+            StudiedDrag { number, trial, pins, result, ms: began.elapsed().as_secs_f64() * 1e3 }
         });
         let made: Vec<_> = made.collect();
         let judged: Vec<_> = made.par_iter().map(|made| judge_drag(stage, made, seed(made.number))).collect();
@@ -93,9 +94,9 @@ pub fn run(
 
 /// Judges the product's result by independent measures and by the slow solver.
 fn judge_drag(stage: &TrialScene, made: &StudiedDrag, seed: u64) -> (StudyOutcome, Option<DragFailure>) {
-    let StudiedDrag { trial, pins, landing, .. } = made;
-    let (kind, is_landed) = (trial.kind, landing.status == DragStatus::Landed);
-    let light = CheckedLight::new(landing.light.clone()).ok();
+    let StudiedDrag { trial, pins, result, .. } = made;
+    let (kind, is_landed) = (trial.kind, result.status == DragStatus::Landed);
+    let light = CheckedLight::new(result.light.clone()).ok();
     let off = light.as_ref().and_then(|light| EquationError::at_target(stage, trial, light));
     let px = light.as_ref().filter(|_| is_landed).and_then(|light| distance_px(stage, trial, light));
     // The error of a highlight is the distance to its visible center, even if directions change quickly over the
@@ -103,9 +104,8 @@ fn judge_drag(stage: &TrialScene, made: &StudiedDrag, seed: u64) -> (StudyOutcom
     let is_near = px.is_some_and(|px| px < 0.5) && kind.feature == Feature::Highlight;
     let is_wrong = is_landed && !is_near && !off.is_some_and(|off| off.is_landed(kind.feature));
     let found = slow::feasible(stage, trial, pins, seed);
-    let is_broken = |pinned: &&StudyPin| {
-        pinned.pin.is_hard && !light.as_ref().is_some_and(|light| pinned.holds(stage, light))
-    };
+    let is_broken =
+        |pinned: &&StudyPin| pinned.pin.is_hard && !light.as_ref().is_some_and(|light| pinned.holds(stage, light));
     let broken = pins.iter().filter(is_broken).count();
     let is_infeasible = !is_landed && found.is_none() && !pins.is_empty() && {
         let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
@@ -113,8 +113,8 @@ fn judge_drag(stage: &TrialScene, made: &StudiedDrag, seed: u64) -> (StudyOutcom
     };
     let outcome = StudyOutcome {
         kind,
-        status: landing.status,
-        iterations: landing.iterations,
+        status: result.status,
+        iterations: result.iterations,
         ms: made.ms,
         equation_error: off.map(|off| off.px_or_degrees),
         px,
@@ -124,14 +124,15 @@ fn judge_drag(stage: &TrialScene, made: &StudiedDrag, seed: u64) -> (StudyOutcom
         broken,
     };
     let is_failure = is_wrong || broken > 0 || is_infeasible || (found.is_some() && !is_landed);
-    (outcome, is_failure.then(|| failure(stage, made, light.as_ref(), (found.as_ref(), broken))))
+    (outcome, is_failure.then(|| failure(stage, made, light.as_ref(), found.as_ref(), broken)))
 }
 
 fn failure(
     stage: &TrialScene,
-    StudiedDrag { number, trial, landing, .. }: &StudiedDrag,
+    StudiedDrag { number, trial, result, .. }: &StudiedDrag,
     light: Option<&CheckedLight>,
-    (found, broken): (Option<&(usize, CheckedLight)>, usize),
+    found: Option<&FoundLight>,
+    broken: usize,
 ) -> DragFailure {
     let kind = trial.kind;
     let names = [kind.feature_name(), kind.points_name(), kind.distance_name()].join("-");
@@ -142,16 +143,16 @@ fn failure(
         drags: drag_json(stage, trial),
         found: json!({
             "scene": stage.name,
-            "status": format!("{:?}", landing.status),
-            "residual_px": landing.residual_px,
-            "iterations": landing.iterations,
+            "status": format!("{:?}", result.status),
+            "residual_px": result.residual_px,
+            "iterations": result.iterations,
             "broken_pins": broken,
             "begin_r_kappa": folds(&trial.light),
             "after": light.map(|light| at_the_cursor(stage, trial, light)),
             "after_r_kappa": light.and_then(folds),
-            "found_by_restart": found.map(|(restart, _)| restart),
-            "feasible": found.map(|(_, light)| protocol::Light::from(light.light())),
-            "feasible_r_kappa": found.and_then(|(_, light)| folds(light)),
+            "found_by_restart": found.map(|found| found.restart),
+            "feasible": found.map(|found| protocol::Light::from(found.light.light())),
+            "feasible_r_kappa": found.and_then(|found| folds(&found.light)),
         }),
     }
 }
@@ -160,9 +161,8 @@ fn failure(
 fn at_the_cursor(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Value {
     let place = |position: DVec3| stage.locate(light, position).map(|place| [place.t, place.v, place.w]);
     let to = stage.surface(trial.drag.to);
-    let visible = to
-        .and_then(|to| stage.reference.sample(&ReferenceLight::new(light), &to))
-        .map(|sample| sample.is_visible);
+    let visible =
+        to.and_then(|to| stage.reference.sample(&ReferenceLight::new(light), &to)).map(|sample| sample.is_visible);
     json!({
         "to_tvw": to.and_then(|to| place(to.position)),
         "pivot_tvw": trial.pivot_in_scene.and_then(place),

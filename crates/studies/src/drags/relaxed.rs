@@ -42,16 +42,16 @@ pub fn nearest_coords(tube: &Tube<f64>, point_in_world: DVec3) -> Option<Nearest
         let (v_len, w_len) = (r.dot(v_hat), r.dot(w_hat));
         let root = TubeRoot { segment, u, r, v_len, w_len, radius, v_hat, u_hat };
         let turn = curve.u_hat_derivative(u, u_hat);
-        let place = NearestCoords {
+        let coords = NearestCoords {
             t: root.t(),
             across: DVec2::new(v_len, w_len) / radius,
             direction: tube.placement.rotation * tube.direction_at(&root),
             fold_factor: 1.0 - r.dot(turn) / (2.0 * curve.d(u).length()),
             beyond: r.dot(u_hat).abs() / radius,
         };
-        let out = |place: &NearestCoords| place.across.length() + 10.0 * place.beyond;
-        if best.as_ref().is_none_or(|best| out(&place) < out(best)) {
-            best = Some(place);
+        let out = |coords: &NearestCoords| coords.across.length() + 10.0 * coords.beyond;
+        if best.as_ref().is_none_or(|best| out(&coords) < out(best)) {
+            best = Some(coords);
         }
     };
     for (segment, of) in tube.segments.iter().enumerate() {

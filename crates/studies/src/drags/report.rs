@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use bench::Quantiles;
 use bench::drag::TrialKind;
-use drag::{DragLimit, DragRefusal, DragStatus};
+use drag::{DragLimit, DragStatus};
 use serde::Serialize;
 
 /// Report of the study of drags.
@@ -108,6 +109,7 @@ impl ReportCell {
         let worst = |of: &dyn Fn(&StudyOutcome) -> Option<f64>| {
             of_landed().map(|outcome| of(outcome).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
         };
+        let ms = Quantiles::of(of_kind.iter().map(|outcome| outcome.ms));
         let mut cell = Self {
             scene: scene.into(),
             feature: kind.feature_name(),
@@ -126,16 +128,16 @@ impl ReportCell {
             }),
             worst_off: worst(&|outcome| outcome.equation_error),
             worst_px: worst(&|outcome| outcome.px),
-            p50_ms: quantile(of_kind.iter().map(|outcome| outcome.ms), 0.5),
-            p95_ms: quantile(of_kind.iter().map(|outcome| outcome.ms), 0.95),
-            p50_iterations: quantile(of_landed().map(|outcome| outcome.iterations as f64), 0.5) as usize,
+            p50_ms: ms.p50,
+            p95_ms: ms.p95,
+            p50_iterations: Quantiles::of(of_landed().map(|outcome| outcome.iterations as f64)).p50 as usize,
             ..Self::default()
         };
         for outcome in of_kind {
             let (held, name) = match outcome.status {
                 DragStatus::Landed => continue,
-                DragStatus::Limited(limit) => (&mut cell.limited, limit_name(limit)),
-                DragStatus::Refused(reason) => (&mut cell.refused, reason_name(reason)),
+                DragStatus::Limited(limit) => (&mut cell.limited, name_of(protocol::DragLimit::from(limit))),
+                DragStatus::Refused(reason) => (&mut cell.refused, name_of(protocol::DragReason::from(reason))),
             };
             *held.entry(name.clone()).or_default() += 1;
             if outcome.is_feasible {
@@ -146,23 +148,9 @@ impl ReportCell {
     }
 }
 
-/// Returns the name of a limit in the protocol.
-fn limit_name(limit: DragLimit) -> String {
-    let name = serde_json::to_value(protocol::DragLimit::from(limit));
-    name.expect("a word").as_str().unwrap_or_default().to_owned()
-}
-
-fn reason_name(reason: DragRefusal) -> String {
-    let name = serde_json::to_value(protocol::DragReason::from(reason));
-    name.expect("a word").as_str().unwrap_or_default().to_owned()
-}
-
-/// Returns the quantile of values in any order; 0 if there are none.
-fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let index = (share * values.len() as f64).ceil() as usize;
-    values.get(index.saturating_sub(1)).copied().unwrap_or(0.0)
+/// Returns the name of a limit or a reason in the protocol.
+fn name_of(value: impl Serialize) -> String {
+    serde_json::to_value(value).expect("a word").as_str().unwrap_or_default().to_owned()
 }
 
 impl DragStudyReport {
@@ -183,9 +171,7 @@ impl DragStudyReport {
             let held = [words(&cell.limited), words(&cell.refused)].join(" ");
             let name: String = cell.scene.chars().take(16).collect();
             let ReportCell { feature, points, way, drags, landed, missed, wrong, .. } = cell;
-            let ReportCell {
-                worst_off, worst_px, p50_ms, p95_ms, broken, infeasible, infeasible_named, ..
-            } = cell;
+            let ReportCell { worst_off, worst_px, p50_ms, p95_ms, broken, infeasible, infeasible_named, .. } = cell;
             let _ = writeln!(
                 text,
                 "{name:16} {feature:9} {points:9} {way:5} {drags:5} {landed:6} {missed:6} {share:>12} {slow:>7} {wrong:6} {broken:6} {infeasible_named:5} of {infeasible:10}  {worst_off:10.2e} \

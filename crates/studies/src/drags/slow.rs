@@ -58,21 +58,22 @@ struct DragEquations<'a> {
     unit: f64,
 }
 
-/// Searches a light within the limits with the feature under the cursor, in which hard pins hold. Returns the light and
-/// the index of its start: 0 is the light before the drag, the others are random.
-pub fn feasible(
-    stage: &TrialScene,
-    trial: &Trial,
-    pins: &[StudyPin],
-    seed: u64,
-) -> Option<(usize, CheckedLight)> {
-    let asked = DragEquations::new(stage, trial, pins)?;
+/// Light with the feature under the cursor.
+pub struct FoundLight {
+    /// Index of the start of its search: 0 is the light before the drag, the others are random.
+    pub restart: usize,
+    pub light: CheckedLight,
+}
+
+/// Searches a light within the limits with the feature under the cursor, in which hard pins hold.
+pub fn feasible(stage: &TrialScene, trial: &Trial, pins: &[StudyPin], seed: u64) -> Option<FoundLight> {
+    let equations = DragEquations::new(stage, trial, pins)?;
     let mut rng = Rng::with_seed(seed);
     (0..RESTARTS).find_map(|restart| {
-        let x = asked.start(restart, &mut rng)?;
-        let x = asked.descend(x)?;
-        let light = CheckedLight::new(asked.light(&x)).ok()?;
-        asked.is_within_limits(&light).then_some((restart, light))
+        let x = equations.start(restart, &mut rng)?;
+        let x = equations.descend(x)?;
+        let light = CheckedLight::new(equations.light(&x)).ok()?;
+        equations.is_within_limits(&light).then_some(FoundLight { restart, light })
     })
 }
 
@@ -130,24 +131,22 @@ impl<'a> DragEquations<'a> {
     fn residuals(&self, x: &[f64]) -> Option<Vec<f64>> {
         let tube = self.tube(x)?;
         let origin = self.stage.origin();
-        let place = nearest_coords(&tube, self.to.position + origin)?;
+        let coords = nearest_coords(&tube, self.to.position + origin)?;
         let over = |value: f64| WEIGHT * (value + LIMIT_MARGIN).max(0.0);
         let mut all = vec![
-            over(place.across.length() - (1.0 - INSIDE)),
-            over(MIN_FOLD_FACTOR - place.fold_factor),
-            WEIGHT * place.beyond,
+            over(coords.across.length() - (1.0 - INSIDE)),
+            over(MIN_FOLD_FACTOR - coords.fold_factor),
+            WEIGHT * coords.beyond,
         ];
         if self.trial.kind.deforms {
-            all.extend(
-                tube.r_kappa_max().iter().zip(&self.max_r_kappa).map(|(fold, most)| over(fold - most)),
-            );
+            all.extend(tube.r_kappa_max().iter().zip(&self.max_r_kappa).map(|(fold, most)| over(fold - most)));
         }
-        let turned = |wanted: DVec3| turned(place.direction, wanted);
+        let turned = |wanted: DVec3| turned(coords.direction, wanted);
         for pinned in &self.pins {
             let here = nearest_coords(&tube, pinned.surface.position + origin)?;
             all.extend([over(here.across.length() - (1.0 - INSIDE)), WEIGHT * here.beyond]);
             match (pinned.pin.kind, pinned.pivot) {
-                (PinKind::Direction, _) => all.extend(self::turned(here.direction, pinned.place.direction)),
+                (PinKind::Direction, _) => all.extend(self::turned(here.direction, pinned.coords.direction)),
                 (PinKind::Shadow, Some(pivot)) => {
                     let pivot = nearest_coords(&tube, pivot + origin)?;
                     all.extend([over(pivot.t - here.t + 1e-5), WEIGHT * pivot.beyond]);
@@ -160,11 +159,11 @@ impl<'a> DragEquations<'a> {
         let equations = match self.trial.kind.feature {
             Feature::Shadow => {
                 let pivot = nearest_coords(&tube, self.trial.pivot_in_scene? + origin)?;
-                all.push(over(pivot.t - place.t + 1e-5));
+                all.push(over(pivot.t - coords.t + 1e-5));
                 all.push(WEIGHT * pivot.beyond);
-                (pivot.across - place.across).to_array()
+                (pivot.across - coords.across).to_array()
             }
-            Feature::Hotspot => [place.across.x - self.trial.from.v, place.across.y - self.trial.from.w],
+            Feature::Hotspot => [coords.across.x - self.trial.from.v, coords.across.y - self.trial.from.w],
             Feature::Highlight => turned(self.to.mirror_direction()),
             Feature::Diffuse => turned(self.to.normal),
         };
@@ -198,10 +197,10 @@ impl<'a> DragEquations<'a> {
         let Some(chosen) = &self.trial.drag.points else { return };
         let end = all[all.len() - 1].position;
         let aside = DVec3::from_array(std::array::from_fn(|_| 0.4 * self.unit * normal(rng)));
-        let way = (end + aside - all[0].position) * (0.6 + 0.8 * rng.f64());
+        let axis = (end + aside - all[0].position) * (0.6 + 0.8 * rng.f64());
         for (k, &point) in chosen.iter().enumerate() {
             let share = point as f64 / (all.len() - 1) as f64;
-            let to = (all[0].position + way * share - all[point].position) / self.unit;
+            let to = (all[0].position + axis * share - all[point].position) / self.unit;
             x[3 * k..][..3].iter_mut().zip(to.to_array()).for_each(|(x, to)| *x = 0.5 * *x + to);
         }
     }
@@ -312,8 +311,7 @@ fn solve(matrix: &[Vec<f64>], right: &[f64], damping: f64) -> Vec<f64> {
             let known = product(&lower[row][..column], &lower[column][..column]);
             let more = if row == column { damping * (matrix[row][row] + 1e-3 * trace) + 1e-300 } else { 0.0 };
             let left = matrix[row][column] + more - known;
-            lower[row][column] =
-                if row == column { left.max(1e-300).sqrt() } else { left / lower[column][column] };
+            lower[row][column] = if row == column { left.max(1e-300).sqrt() } else { left / lower[column][column] };
         }
     }
     let mut x = right.to_vec();

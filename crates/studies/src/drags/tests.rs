@@ -4,7 +4,7 @@ use bench::drag::{EquationError, FEATURES, Trial, TrialKind, TrialScene};
 use light::CheckedLight;
 
 use super::relaxed::nearest_coords;
-use super::slow::feasible;
+use super::slow::{FoundLight, feasible};
 
 fn demo() -> TrialScene {
     let demo = assets::demo("vases").expect("it is one of the demos");
@@ -26,11 +26,10 @@ fn a_light_that_moves_as_a_whole_is_feasible() {
     let all: Vec<_> = trials(&stage, false).collect();
     let mut found = 0;
     for trial in &all {
-        let Some((_, light)) = feasible(&stage, trial, &[], 1) else { continue };
+        let Some(FoundLight { light, .. }) = feasible(&stage, trial, &[], 1) else { continue };
         found += 1;
         let is_landed = |light: &CheckedLight| {
-            EquationError::at_target(&stage, trial, light)
-                .is_some_and(|off| off.is_landed(trial.kind.feature))
+            EquationError::at_target(&stage, trial, light).is_some_and(|off| off.is_landed(trial.kind.feature))
         };
         assert!(is_landed(&light), "{:?}", trial.drag);
         assert!(!is_landed(&trial.light), "{:?}", trial.drag);
@@ -45,7 +44,7 @@ fn only_what_is_chosen_moves() {
     let stage = demo();
     let mut found = 0;
     for mut trial in trials(&stage, true) {
-        if let Some((_, light)) = feasible(&stage, &trial, &[], 1) {
+        if let Some(FoundLight { light, .. }) = feasible(&stage, &trial, &[], 1) {
             found += 1;
             let chosen = trial.drag.points.as_deref().unwrap_or_default();
             let (before, after) = (trial.light.light(), light.light());
@@ -62,12 +61,11 @@ fn only_what_is_chosen_moves() {
 
 /// Inside of a tube the search's coordinates are those of the light's `locate`.
 #[test]
-fn a_place_inside_is_the_lights_own() {
+fn coordinates_inside_are_the_lights_own() {
     let stage = demo();
     for trial in trials(&stage, true) {
         let seen = stage.seen(trial.drag.to).expect("a surface");
-        let place = nearest_coords(trial.light.tube().expect("a tube"), seen.position + stage.origin())
-            .expect("near");
+        let place = nearest_coords(trial.light.tube().expect("a tube"), seen.position + stage.origin()).expect("near");
         let own = stage.locate(&trial.light, seen.position).expect("inside");
         let off = (place.across.x - own.v).hypot(place.across.y - own.w) + (place.t - own.t).abs();
         assert!(off < 1e-9 && place.direction.distance(own.direction) < 1e-9, "{off:e}");

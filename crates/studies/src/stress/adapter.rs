@@ -60,8 +60,7 @@ impl Adapter {
     /// Applies `check` to the displayed picture of each backend: RGBA of 8 bits per channel.
     pub fn check_display(&self, shown: StressPicture, mut check: impl FnMut(&[[u8; 4]]) -> Check) -> Check {
         self.check_backends(shown, |renderer| {
-            let bytes =
-                renderer.render_display(shown.view, shown.lights).map_err(|error| no_picture(&error))?;
+            let bytes = renderer.render_display(shown.view, shown.lights).map_err(|error| no_picture(&error))?;
             check(bytes.as_chunks().0)
         })
     }
@@ -87,8 +86,7 @@ fn no_picture(error: &RenderError) -> String {
 pub fn cases() -> impl Strategy<Value = RootCase> {
     let lights = lights(LightLimits { segments: 8, fold: 1.0, pinched: true, flipping: true });
     let places = prop::collection::vec(places(), 1..256);
-    (lights, placement(), places)
-        .prop_map(|(light, transform, places)| RootCase::new(light, transform, &places))
+    (lights, placement(), places).prop_map(|(light, transform, places)| RootCase::new(light, transform, &places))
 }
 
 /// Root of a point that the GPU found: (V, W, R) in tube units, t, and optionally the direction in the world.
@@ -134,13 +132,7 @@ pub fn check_shadow_map(case: &RootCase, adapter: &Adapter, tally: &mut CheckTal
         let w = if tally.is_planted { -mapped.y } else { mapped.y };
         let found = AdapterRoot { t: mapped.w, vwr: [mapped.x, w, mapped.z], direction: None };
         if mapped.x.hypot(mapped.y) <= mapped.z {
-            agrees(
-                &tube,
-                tube.placement.tube_from_world(point),
-                4.0 * eps::<f32>() * reach,
-                Some(&found),
-                tally,
-            )?;
+            agrees(&tube, tube.placement.tube_from_world(point), 4.0 * eps::<f32>() * reach, Some(&found), tally)?;
         }
     }
     Ok(())
@@ -160,9 +152,8 @@ fn agrees(tube: &Tube<f64>, q: DVec3, dq: f64, found: Option<&AdapterRoot>, tall
     tube.for_each_root(q, |root| roots.push(root));
     let eps = eps::<f32>();
     let Some(found) = found else {
-        let clear = roots
-            .iter()
-            .find(|root| bounds(tube, root, q, eps, dq).is_some_and(|bound| !on_edge(tube, root, &bound)));
+        let clear =
+            roots.iter().find(|root| bounds(tube, root, q, eps, dq).is_some_and(|bound| !on_edge(tube, root, &bound)));
         return tally.holds(clear.is_none(), || {
             let t = clear.map(|root| root.segment as f64 + root.u);
             format!("the adapter does not find the root t = {t:?} of q = {:?}", q.to_array())

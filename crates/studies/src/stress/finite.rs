@@ -97,8 +97,7 @@ pub fn check(case: &FiniteCase, adapter: &Adapter, tally: &mut CheckTally) -> Ch
     scene.nodes[0].parent_from_local *= glam::DAffine3::from_scale(case.squash.into());
     let (lights, mut view) = (case.lights(), case.shot.view());
     let mesh_error = case.mesh_error;
-    let shadows =
-        ShadowSettings { resolution: 512, mesh_error, straighten: false, ..ShadowSettings::default() };
+    let shadows = ShadowSettings { resolution: 512, mesh_error, straighten: false, ..ShadowSettings::default() };
     let shown = StressPicture { scene: &scene, view: &view, lights: &lights, shadows };
     let mut background = Vec::new();
     adapter.check_pictures(shown, OF_THE_CAMERA, |mut pictures| {
@@ -109,9 +108,8 @@ pub fn check(case: &FiniteCase, adapter: &Adapter, tally: &mut CheckTally) -> Ch
         check_ranges(&OF_THE_CAMERA, &pictures, tally)
     })?;
     adapter.check_display(shown, |pixels| {
-        let is_sound = |(pixel, is_background): (&[u8; 4], &bool)| {
-            pixel[3] == 255 && (!is_background || *pixel == [0, 0, 0, 255])
-        };
+        let is_sound =
+            |(pixel, is_background): (&[u8; 4], &bool)| pixel[3] == 255 && (!is_background || *pixel == [0, 0, 0, 255]);
         let are_sound = pixels.len() == background.len() && pixels.iter().zip(&background).all(is_sound);
         tally.holds(are_sound, || "a pixel on a screen is not opaque, or not black where nothing is".into())
     })?;
@@ -144,8 +142,7 @@ fn by_the_reference(scene: &Scene, view: &View, lights: &[LightInstance], tally:
 }
 
 fn check_ranges(aovs: &[Aov], pictures: &[Picture], tally: &mut CheckTally) -> Check {
-    let pixels =
-        aovs.iter().zip(pictures).flat_map(|(&aov, picture)| picture.pixels.iter().map(move |p| (aov, p)));
+    let pixels = aovs.iter().zip(pictures).flat_map(|(&aov, picture)| picture.pixels.iter().map(move |p| (aov, p)));
     pixels.into_iter().try_for_each(|(aov, pixel)| check_range("adapter", aov, pixel.map(f64::from), tally))
 }
 

@@ -49,18 +49,10 @@ fn orthonormal<F: Real>(tube: &Tube<F>, shares: &[f64], tally: &mut CheckTally) 
         let speed = if d.length() > 0.0 { d.length() } else { d0.length() + d1.length() };
         let bound = 32.0 * eps::<F>() * (1.0 + (d0.length() + d1.length()) / speed);
         let place = format!("at t = {t:?} in f{}", 8 * size_of::<F>());
-        tally.within(
-            format_args!("u_hat x v_hat - w_hat {place}"),
-            (u_hat.cross(v_hat) - w_hat).length(),
-            bound,
-        )?;
+        tally.within(format_args!("u_hat x v_hat - w_hat {place}"), (u_hat.cross(v_hat) - w_hat).length(), bound)?;
         tally.within(format_args!("u_hat . v_hat {place}"), u_hat.dot(v_hat).abs(), bound)?;
         for (name, vector) in [("u_hat", u_hat), ("v_hat", v_hat), ("w_hat", w_hat)] {
-            tally.within(
-                format_args!("the length of {name} {place}"),
-                (vector.length() - 1.0).abs(),
-                bound,
-            )?;
+            tally.within(format_args!("the length of {name} {place}"), (vector.length() - 1.0).abs(), bound)?;
         }
     }
     Ok(())

@@ -40,10 +40,8 @@ pub fn cases() -> impl Strategy<Value = JointCase> {
             step: if back { -step } else { step },
         },
     );
-    (lights, prop::collection::vec(crossing, 1..16)).prop_map(|(light, crossings)| JointCase {
-        light: light.with(DIRECTION, DirectionMode::Tube),
-        crossings,
-    })
+    (lights, prop::collection::vec(crossing, 1..16))
+        .prop_map(|(light, crossings)| JointCase { light: light.with(DIRECTION, DirectionMode::Tube), crossings })
 }
 
 /// Checks each crossing, in f64 and f32.
@@ -85,11 +83,7 @@ fn both_sides_agree(tube: &Tube<f64>, joint: usize, at: &JointCrossing, tally: &
     tally.within(format_args!("V {place}"), (before.v_len - after.v_len).abs(), bound.across)?;
     tally.within(format_args!("W {place}"), (before.w_len - after.w_len).abs(), bound.across)?;
     let size = before.radius + tube.segments[joint - 1].curve.r0;
-    tally.within(
-        format_args!("R {place}"),
-        (before.radius - after.radius).abs(),
-        16.0 * f64::EPSILON * size,
-    )?;
+    tally.within(format_args!("R {place}"), (before.radius - after.radius).abs(), 16.0 * f64::EPSILON * size)?;
     let turn = (tube.direction_at(&before) - tube.direction_at(&after)).length();
     tally.within(format_args!("the direction {place}"), turn, 2.0 * bound.direction)
 }
@@ -108,8 +102,7 @@ fn check_no_gap<F: Real>(
     let q = from + here.u_hat * at.step;
     // The curvature jumps here, so the same step is a different one in t on either side.
     let there = root_at(exact, joint, 0.0, from);
-    let [Some(before), Some(after)] =
-        [here, there].map(|root| bounds(exact, &root, q, eps::<F>(), at.step.abs()))
+    let [Some(before), Some(after)] = [here, there].map(|root| bounds(exact, &root, q, eps::<F>(), at.step.abs()))
     else {
         return Ok(());
     };
@@ -126,13 +119,8 @@ fn check_no_gap<F: Real>(
         near += usize::from((t - expected).abs() <= bound + 2.0 * F::JOINT_MERGE.f64());
         error = error.min((t - expected).abs());
     });
-    let place = format!(
-        "{:e} past joint {joint} at (v, w) = ({:?}, {:?}) in f{}",
-        at.step,
-        at.v,
-        at.w,
-        8 * size_of::<F>()
-    );
+    let place =
+        format!("{:e} past joint {joint} at (v, w) = ({:?}, {:?}) in f{}", at.step, at.v, at.w, 8 * size_of::<F>());
     tally.within(format_args!("t {place}"), error, bound)?;
     tally.holds(near == 1, || format!("the root {place} counts {near} times"))
 }

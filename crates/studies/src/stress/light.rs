@@ -64,8 +64,7 @@ fn points(family: CurveFamily, knots: &[DVec3]) -> Vec<DVec3> {
         points.push(match family {
             CurveFamily::Wandering(bend) => knot * bend - DVec3::Z * along,
             CurveFamily::Hairpin(width) => {
-                DVec3::new(width * along, 0.0, if i.is_multiple_of(2) { 0.0 } else { -1.0 })
-                    + knot * (0.3 * width)
+                DVec3::new(width * along, 0.0, if i.is_multiple_of(2) { 0.0 } else { -1.0 }) + knot * (0.3 * width)
             }
             CurveFamily::Ring(turn) => {
                 let (sin, cos) = (turn * along).sin_cos();
@@ -90,44 +89,24 @@ fn is_away_from_up(family: CurveFamily, knots: &[(DVec3, f64)], up: DVec3) -> bo
     legs.windows(2).all(|leg| (leg[1] - leg[0]).normalize_or_zero().dot(up.normalize_or_zero()).abs() < 0.8)
 }
 
-/// Values from which a light is made.
-#[derive(Clone, Debug)]
-struct LightRecipe {
-    family: CurveFamily,
-    /// Displacement of each control point, and its radius as a share of `width`.
-    knots: Vec<(DVec3, f64)>,
-    /// Largest radius, in steps between control points.
-    width: f64,
-    /// Limit of `R kappa`, to which the radii are reduced.
-    fold: f64,
-    up: DVec3,
-    frame: FrameMode,
-    direction: DirectionMode,
-    end_mode: EndMode,
-    decay: Decay,
-}
-
 /// Width of tubes that cannot fold, whatever their curve.
 const THIN: f64 = 1e-12;
 
-impl LightRecipe {
-    /// Makes the light, with radii that do not fold; an error if its curve is invalid.
-    fn light(self) -> Result<Light, LightError> {
-        let (strays, shares): (Vec<DVec3>, Vec<f64>) = self.knots.into_iter().unzip();
-        let points = points(self.family, &strays);
-        let with = |width: f64| {
-            Light::bendy(points.clone(), shares.iter().map(|share| share * width).collect())
-                .with(UP, self.up)
-                .with(FRAME, self.frame)
-                .with(DIRECTION, self.direction)
-                .with(END_MODE, self.end_mode)
-                .with(DECAY, self.decay)
-        };
-        // `R kappa` is proportional to the radii, so that of a thin tube gives the largest radius.
-        let thin = Tube::new(&with(THIN))?.r_kappa_max().into_iter().fold(0.0, f64::max);
-        let widest = if thin > 0.0 { self.fold * THIN / thin } else { f64::INFINITY };
-        Ok(with(self.width.min(widest)))
-    }
+/// Makes a light through `points`. Its radii are shares of `width`, or of less where `R kappa` would exceed `fold`. An error
+/// if its curve is invalid.
+fn light_through(
+    points: &[DVec3],
+    shares: &[f64],
+    width: f64,
+    fold: f64,
+    with_modes: impl Fn(Light) -> Light,
+) -> Result<Light, LightError> {
+    let with =
+        |width: f64| with_modes(Light::bendy(points.to_vec(), shares.iter().map(|share| share * width).collect()));
+    // `R kappa` is proportional to the radii, so that of a thin tube gives the largest radius.
+    let thin = Tube::new(&with(THIN))?.r_kappa_max().into_iter().fold(0.0, f64::max);
+    let widest = if thin > 0.0 { fold * THIN / thin } else { f64::INFINITY };
+    Ok(with(width.min(widest)))
 }
 
 /// Limits of random lights.
@@ -162,13 +141,15 @@ pub fn lights(wanted: LightLimits) -> impl Strategy<Value = Light> {
                 knots[0].1 = 0.0;
             }
             let fold = f64::min(fold, wanted.fold);
-            let frame = if wanted.flipping || is_away_from_up(family, &knots, up) {
-                frame
-            } else {
-                FrameMode::default()
+            let frame =
+                if wanted.flipping || is_away_from_up(family, &knots, up) { frame } else { FrameMode::default() };
+            let (displacements, shares): (Vec<DVec3>, Vec<f64>) = knots.into_iter().unzip();
+            let with_modes = |light: Light| {
+                let light = light.with(UP, up).with(FRAME, frame).with(DIRECTION, direction);
+                light.with(END_MODE, end_mode).with(DECAY, decay)
             };
-            let recipe = LightRecipe { family, knots, width, fold, up, frame, direction, end_mode, decay };
-            recipe.light().ok().filter(|light| Tube::new(light).is_ok())
+            let light = light_through(&points(family, &displacements), &shares, width, fold, with_modes);
+            light.ok().filter(|light| Tube::new(light).is_ok())
         },
     )
 }

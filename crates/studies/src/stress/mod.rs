@@ -23,7 +23,6 @@ use std::time::{Duration, Instant};
 
 use proptest::strategy::Strategy;
 use serde::Serialize;
-use thiserror::Error;
 
 use self::adapter::Adapter;
 pub use self::runner::PropertyFailure;
@@ -106,12 +105,8 @@ impl Property {
             (Self::LonePlane, Some(adapter)) => {
                 with_adapter(adapter, shadow::lone_planes(), shadow::check(Fault::Ghost))
             }
-            (Self::Wall, Some(adapter)) => {
-                with_adapter(adapter, shadow::walls(), shadow::check(Fault::Holes))
-            }
-            (Self::Shadow, Some(adapter)) => {
-                with_adapter(adapter, shadow::clutter(), shadow::check(Fault::WrongSide))
-            }
+            (Self::Wall, Some(adapter)) => with_adapter(adapter, shadow::walls(), shadow::check(Fault::Holes)),
+            (Self::Shadow, Some(adapter)) => with_adapter(adapter, shadow::clutter(), shadow::check(Fault::WrongSide)),
             (Self::Finite, Some(adapter)) => with_adapter(adapter, finite::cases(), finite::check),
         };
         Some(tries)
@@ -127,19 +122,13 @@ fn with_adapter<'a, C: Debug + Serialize>(
     property(cases, move |case, tally| check(case, adapter, tally))
 }
 
-/// Error for a name that is no property.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("`{0}` is not a property: choose one of {names}", names = Property::ALL.map(Property::name).join(", "))]
-pub struct UnknownProperty(String);
-
 impl FromStr for Property {
-    type Err = UnknownProperty;
+    type Err = String;
 
-    fn from_str(name: &str) -> Result<Self, UnknownProperty> {
-        Self::ALL
-            .into_iter()
-            .find(|property| property.name() == name)
-            .ok_or_else(|| UnknownProperty(name.into()))
+    fn from_str(name: &str) -> Result<Self, String> {
+        let names = || Self::ALL.map(Self::name).join(", ");
+        let named = Self::ALL.into_iter().find(|property| property.name() == name);
+        named.ok_or_else(|| format!("`{name}` is not a property: choose one of {}", names()))
     }
 }
 
@@ -219,13 +208,7 @@ impl PropertyRun<'_> {
 
     fn outcome(self) -> PropertyOutcome {
         let Self { property, tally, cases, failure, .. } = self;
-        PropertyOutcome {
-            property,
-            cases,
-            comparisons: tally.comparisons,
-            worst_share: tally.worst_share,
-            failure,
-        }
+        PropertyOutcome { property, cases, comparisons: tally.comparisons, worst_share: tally.worst_share, failure }
     }
 }
 

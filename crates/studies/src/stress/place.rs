@@ -45,19 +45,17 @@ impl PointSpec {
     pub fn in_tube_space(self, tube: &Tube<f64>) -> DVec3 {
         let n = tube.n as f64;
         match self {
-            Self::InTube { share, rho, angle } => {
-                point_at(tube, share * n, rho * angle.cos(), rho * angle.sin())
-            }
+            Self::InTube { share, rho, angle } => point_at(tube, share * n, rho * angle.cos(), rho * angle.sin()),
             Self::AtJoint { joint, rho, angle } => {
                 point_at(tube, (joint % (tube.n + 1)) as f64, rho * angle.cos(), rho * angle.sin())
             }
-            Self::NearEvolute { share, share_to_centre: way } => {
+            Self::NearEvolute { share, share_to_centre } => {
                 let (i, u) = split(tube, share * n);
                 let segment = &tube.segments[i].curve;
                 let u_hat = segment.u_hat(u);
                 let curvature = segment.u_hat_derivative(u, u_hat) / (2.0 * segment.d(u).length());
                 let normal = curvature / curvature.length_squared();
-                segment.position(u) + if normal.is_finite() { normal * way } else { DVec3::ZERO }
+                segment.position(u) + if normal.is_finite() { normal * share_to_centre } else { DVec3::ZERO }
             }
             Self::Free(q) => q,
         }
@@ -69,7 +67,7 @@ pub fn places() -> impl Strategy<Value = PointSpec> {
     let decade = prop_oneof![3 => -1.0..1.0, 1 => -4.0..6.0];
     let near = (decade, unit_cube()).prop_map(|(decade, q)| PointSpec::Free(q * 10_f64.powf(decade)));
     let evolute =
-        (0.0..1.0, 0.9..1.1).prop_map(|(share, way)| PointSpec::NearEvolute { share, share_to_centre: way });
+        (0.0..1.0, 0.9..1.1).prop_map(|(share, share_to_centre)| PointSpec::NearEvolute { share, share_to_centre });
     prop_oneof![4 => in_tube(1.2), 2 => at_joint(), 2 => near, 1 => evolute]
 }
 
@@ -140,8 +138,7 @@ pub fn bounds(tube: &Tube<f64>, root: &TubeRoot<f64>, q: DVec3, eps: f64, dq: f6
     let sigma = 2.0 * d - root.r.dot(turn);
     let rounding = 16.0 * eps * (rho + length + q.length() + s.b0.length());
     let off = rounding + dq;
-    let h_t = (2.0 * turn.length() + 2.0 * s.a.length() * (1.0 + rho * turn.length() / d) / sigma)
-        / (sigma * sigma);
+    let h_t = (2.0 * turn.length() + 2.0 * s.a.length() * (1.0 + rho * turn.length() / d) / sigma) / (sigma * sigma);
     // An angular error of the direction moves the plane perpendicular to the curve by that angle times the distance
     // `r`.
     let along = off + 16.0 * eps * rho * length / d;
@@ -149,8 +146,7 @@ pub fn bounds(tube: &Tube<f64>, root: &TubeRoot<f64>, q: DVec3, eps: f64, dq: f6
     let t = along / sigma + bent;
     // The bounds hold if they are mostly first order, small relative to the radius of curvature and the segment, and
     // smaller than the tube.
-    let known =
-        sigma > 0.0 && bent < 0.1 * t && t < 0.02 && t * s.a.length() < 0.02 * d && root.radius > 8.0 * off;
+    let known = sigma > 0.0 && bent < 0.1 * t && t < 0.02 && t * s.a.length() < 0.02 * d && root.radius > 8.0 * off;
     if !known {
         return None;
     }
@@ -166,8 +162,7 @@ pub fn bounds(tube: &Tube<f64>, root: &TubeRoot<f64>, q: DVec3, eps: f64, dq: f6
     let radius = (slope + s.ar.abs() * t) * t + 16.0 * eps * (root.radius + s.r0.abs() + s.e0.abs());
     // T = P' + (R'/R) r, with the change of each factor in turn.
     let per_radius = 1.0 / root.radius.max(f64::MIN_POSITIVE);
-    let spread =
-        rho * per_radius * (2.0 * s.ar.abs() * t + slope * radius * per_radius) + slope * per_radius * across;
+    let spread = rho * per_radius * (2.0 * s.ar.abs() * t + slope * radius * per_radius) + slope * per_radius * across;
     let tangent = s.d(u) * 2.0 + root.r * (s.radius_derivative(u) * per_radius);
     let direction = (2.0 * s.a.length() * t + spread) / tangent.length() + frame;
     Some(RootBounds { t, across, radius, direction, rate: 1.0 / sigma })

@@ -23,8 +23,7 @@ pub fn cases() -> impl Strategy<Value = RoundTripCase> {
     let place = (0.0..1.0, 0.0..0.999, 0.0..std::f64::consts::TAU);
     (lights, prop::collection::vec(place, 1..16)).prop_map(|(light, places)| {
         let n = (light.points().len() - 2) as f64;
-        let places =
-            places.into_iter().map(|(share, rho, angle)| [share * n, rho * angle.cos(), rho * angle.sin()]);
+        let places = places.into_iter().map(|(share, rho, angle)| [share * n, rho * angle.cos(), rho * angle.sin()]);
         RoundTripCase { places: places.collect(), light }
     })
 }
@@ -40,12 +39,7 @@ pub fn check(case: &RoundTripCase, tally: &mut CheckTally) -> Check {
     Ok(())
 }
 
-fn comes_back<F: Real>(
-    exact: &Tube<f64>,
-    tube: &Tube<F>,
-    [t, v, w]: [f64; 3],
-    tally: &mut CheckTally,
-) -> Check {
+fn comes_back<F: Real>(exact: &Tube<f64>, tube: &Tube<F>, [t, v, w]: [f64; 3], tally: &mut CheckTally) -> Check {
     let q = point_at(exact, t, v, w);
     let (segment, u) = split(exact, t);
     let root = root_at(exact, segment, u, q);
@@ -71,15 +65,7 @@ fn comes_back<F: Real>(
     }
     let expected_radius = root.radius;
     tally.within(format_args!("t of {place}"), off, bound.t)?;
-    tally.within(
-        format_args!("V of {place}"),
-        (v_len - v * expected_radius).abs(),
-        bound.across + bound.radius,
-    )?;
-    tally.within(
-        format_args!("W of {place}"),
-        (w_len - w * expected_radius).abs(),
-        bound.across + bound.radius,
-    )?;
+    tally.within(format_args!("V of {place}"), (v_len - v * expected_radius).abs(), bound.across + bound.radius)?;
+    tally.within(format_args!("W of {place}"), (w_len - w * expected_radius).abs(), bound.across + bound.radius)?;
     tally.within(format_args!("R of {place}"), (radius - expected_radius).abs(), bound.radius)
 }

@@ -32,11 +32,7 @@ impl CheckTally {
         self.comparisons += 1;
         let share = if error == 0.0 { 0.0 } else { error / bound };
         self.worst_share = self.worst_share.max(if share.is_nan() { f64::INFINITY } else { share });
-        if share <= 1.0 {
-            Ok(())
-        } else {
-            Err(format!("{what} is off by {error:e}, over its bound of {bound:e}"))
-        }
+        if share <= 1.0 { Ok(()) } else { Err(format!("{what} is off by {error:e}, over its bound of {bound:e}")) }
     }
 
     /// Counts a condition as a comparison. If it is false, records an infinite error, because there is no number to
@@ -81,16 +77,11 @@ pub fn property<'a, C: Debug + Serialize>(
         let tree = match cases.new_tree(&mut runner) {
             Ok(tree) => tree,
             Err(reason) => {
-                return Some(PropertyFailure {
-                    seed,
-                    why: reason.to_string(),
-                    case: serde_json::Value::Null,
-                });
+                return Some(PropertyFailure { seed, why: reason.to_string(), case: serde_json::Value::Null });
             }
         };
         let tally = RefCell::new(tally);
-        let held =
-            runner.run_one(tree, |case| check(&case, &mut tally.borrow_mut()).map_err(TestCaseError::fail));
+        let held = runner.run_one(tree, |case| check(&case, &mut tally.borrow_mut()).map_err(TestCaseError::fail));
         let (why, case) = match held {
             Ok(_) => return None,
             Err(TestError::Abort(reason)) => (reason, serde_json::Value::Null),

@@ -100,10 +100,8 @@ impl StressObstacle {
     fn facets(&self, tube: &Tube<f64>, unit: f64) -> Vec<[DVec3; 3]> {
         let at = |place: &PointSpec| place.in_tube_space(tube) * unit;
         match self {
-            Self::Square { share, lean, half } => grid(tube, unit, (*share, *lean, *half), 1, &[]),
-            Self::Wall { share, lean, half, cells, strays } => {
-                grid(tube, unit, (*share, *lean, *half), *cells, strays)
-            }
+            Self::Square { share, lean, half } => grid(tube, unit, *share, *lean, *half, 1, &[]),
+            Self::Wall { share, lean, half, cells, strays } => grid(tube, unit, *share, *lean, *half, *cells, strays),
             Self::Triangle(corners) => vec![corners.each_ref().map(at)],
             Self::Sliver([a, b], height) => {
                 let (a, b) = (at(a), at(b));
@@ -119,7 +117,9 @@ impl StressObstacle {
 fn grid(
     tube: &Tube<f64>,
     unit: f64,
-    (share, lean, half): (f64, DVec3, f64),
+    share: f64,
+    lean: DVec3,
+    half: f64,
     cells: usize,
     strays: &[DVec3],
 ) -> Vec<[DVec3; 3]> {
@@ -142,8 +142,7 @@ fn grid(
     (0..cells * cells)
         .flat_map(|cell| {
             let (column, row) = (cell % cells, cell / cells);
-            let [a, b, c, d] =
-                [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(right, down)| vertex(column + right, row + down));
+            let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(right, down)| vertex(column + right, row + down));
             [[a, b, c], [a, c, d]]
         })
         .collect()
@@ -183,13 +182,7 @@ pub fn shots(
 ) -> impl Strategy<Value = Shot> {
     let camera = (0.3..1.0, 0.0..TAU, 0.2..1.2, 2.0..5.0);
     (lights(wanted), placement(), receiver, others, camera).prop_map(
-        |(light, transform, receiver, others, (share, around, lean, distance)): (
-            _,
-            _,
-            _,
-            _,
-            (f64, f64, f64, f64),
-        )| {
+        |(light, transform, receiver, others, (share, around, lean, distance)): (_, _, _, _, (f64, f64, f64, f64))| {
             let tube = Tube::new(&light).expect("valid");
             let unit = tube.placement.world_per_tube;
             let facets = others.iter().chain([&receiver]).flat_map(|obstacle| obstacle.facets(&tube, unit));

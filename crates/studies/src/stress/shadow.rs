@@ -23,9 +23,10 @@ pub enum Fault {
     /// The renderer also draws a copy of the scene at half the distance from the source. The tracing of light paths
     /// does not know the copy.
     Ghost,
-    /// Every second facet of a wall is left out.
+    /// The renderer leaves out every second facet of a wall. The tracing of light paths keeps it.
     Holes,
-    /// All objects except the receiver are drawn on the other side of the light.
+    /// The renderer draws all objects except the receiver after half a turn about the z axis, so on the other side of
+    /// the light. The tracing of light paths leaves them in place.
     WrongSide,
 }
 
@@ -57,12 +58,7 @@ pub fn check(fault: Fault) -> impl Fn(&Shot, &Adapter, &mut CheckTally) -> Check
 
 /// Checks that visibility is in 0 to 1. At a distance of at least two texels from a shadow edge, checks that it equals
 /// the visibility along the traced light path.
-fn agrees_with_the_walk(
-    shot: &Shot,
-    planted: Option<Fault>,
-    adapter: &Adapter,
-    tally: &mut CheckTally,
-) -> Check {
+fn agrees_with_the_walk(shot: &Shot, planted: Option<Fault>, adapter: &Adapter, tally: &mut CheckTally) -> Check {
     let drawn: Vec<Facet> = match planted {
         Some(Fault::Ghost) => {
             let ghosts = shot.facets.iter().map(|facet| facet.map(|p| p.map(|x| 0.5 * x)));
@@ -80,9 +76,8 @@ fn agrees_with_the_walk(
     let scene = shot.scene(&drawn, vec![Material { double_sided: true, ..Material::default() }]);
     let (view, aovs) = (shot.view(), [Aov::Depth, Aov::Normal, Aov::Visibility]);
     let tube = Tube::new(&shot.light).expect("cases are valid");
-    let in_tube = |p: [f32; 3]| {
-        glam::Vec3::from(p).as_dvec3() * (shot.light.transform().scale / tube.placement.world_per_tube)
-    };
+    let in_tube =
+        |p: [f32; 3]| glam::Vec3::from(p).as_dvec3() * (shot.light.transform().scale / tube.placement.world_per_tube);
     let triangles: Vec<[DVec3; 3]> = shot.facets.iter().map(|facet| facet.map(in_tube)).collect();
     let reach = triangles.iter().flatten().map(|p| p.length()).fold(1.0, f64::max);
     let shown = StressPicture { scene: &scene, view: &view, lights: &shot.lights(), shadows };
@@ -92,7 +87,7 @@ fn agrees_with_the_walk(
         let odd = pixels.iter().find(|&&pixel| !(0.0..=1.0).contains(&visibility[pixel][0]));
         tally.holds(odd.is_none(), || format!("the visibility of pixel {odd:?} is not from 0 to 1"))?;
         for &pixel in pixels.iter().step_by(pixels.len().div_ceil(PIXELS).max(1)) {
-            pixel_agrees(&tube, &triangles, reach, (&view, &pictures, pixel), tally)?;
+            pixel_agrees(&tube, &triangles, reach, &view, &pictures, pixel, tally)?;
         }
         Ok(())
     })
@@ -103,7 +98,9 @@ fn pixel_agrees(
     tube: &Tube<f64>,
     triangles: &[[DVec3; 3]],
     reach: f64,
-    (view, [depth, normal, visibility], pixel): (&View, &[Picture; 3], usize),
+    view: &View,
+    [depth, normal, visibility]: &[Picture; 3],
+    pixel: usize,
     tally: &mut CheckTally,
 ) -> Check {
     let q = tube.placement.tube_from_world(position(view, depth, pixel));
@@ -119,7 +116,9 @@ fn pixel_agrees(
         let (t, v, w) = (root.segment as f64 + root.u, root.v_len / root.radius, root.w_len / root.radius);
         let (x, y) = (pixel % WIDTH as usize, pixel / WIDTH as usize);
         let light = if expected { "reaches it" } else { "is blocked" };
-        format!("pixel ({x}, {y}), at (t, v, w) = ({t:.6}, {v:.6}, {w:.6}), has the visibility {shown} where light {light}")
+        format!(
+            "pixel ({x}, {y}), at (t, v, w) = ({t:.6}, {v:.6}, {w:.6}), has the visibility {shown} where light {light}"
+        )
     })
 }
 
@@ -128,7 +127,6 @@ fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     let (width, height) = (f64::from(WIDTH), f64::from(HEIGHT));
     let (x, y) = ((pixel % WIDTH as usize) as f64 + 0.5, (pixel / WIDTH as usize) as f64 + 0.5);
     let half = (YFOV / 2.0).tan();
-    let ray =
-        DVec3::new((2.0 * x / width - 1.0) * half * width / height, (1.0 - 2.0 * y / height) * half, -1.0);
+    let ray = DVec3::new((2.0 * x / width - 1.0) * half * width / height, (1.0 - 2.0 * y / height) * half, -1.0);
     view.camera.world_from_camera().transform_point3(ray * f64::from(depth.pixels[pixel][0]))
 }

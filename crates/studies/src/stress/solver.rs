@@ -22,8 +22,7 @@ impl RootCase {
     pub fn new(light: Light, transform: Transform, places: &[PointSpec]) -> Self {
         let light = light.with_transform(transform);
         let tube = Tube::new(&light).expect("a placement makes no light invalid");
-        let in_world =
-            |place: &PointSpec| tube.placement.world_from_tube(place.in_tube_space(&tube)).to_array();
+        let in_world = |place: &PointSpec| tube.placement.world_from_tube(place.in_tube_space(&tube)).to_array();
         Self { points: places.iter().map(in_world).collect(), light }
     }
 }
@@ -32,8 +31,7 @@ impl RootCase {
 pub fn cases() -> impl Strategy<Value = RootCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let places = prop::collection::vec(places(), 1..16);
-    (lights, placement(), places)
-        .prop_map(|(light, transform, places)| RootCase::new(light, transform, &places))
+    (lights, placement(), places).prop_map(|(light, transform, places)| RootCase::new(light, transform, &places))
 }
 
 /// Checks each point, in f64 and f32.
@@ -112,15 +110,9 @@ fn roots_are_right<F: Real>(tube: &Tube<F>, q: F::Vec3, k: f64, tally: &mut Chec
     let width = 8 * size_of::<F>();
     for &(i, u) in &roots {
         let curve = Curve::new(&tube.segments[i].curve);
-        tally.holds((0.0..=1.0).contains(&u) || i == tube.n && u > 0.0, || {
-            format!("u = {u} is no parameter")
-        })?;
+        tally.holds((0.0..=1.0).contains(&u) || i == tube.n && u > 0.0, || format!("u = {u} is no parameter"))?;
         let bound = tolerance * curve.noise(q, u);
-        tally.within(
-            format_args!("f at the f{width} root u = {u:?} of segment {i}"),
-            curve.f(q, u).abs(),
-            bound,
-        )?;
+        tally.within(format_args!("f at the f{width} root u = {u:?} of segment {i}"), curve.f(q, u).abs(), bound)?;
         let falls = [1e-2, 1e-4].iter().any(|&step| {
             let (before, after) = (u - step, u + step);
             i < tube.n
@@ -141,9 +133,8 @@ fn roots_are_right<F: Real>(tube: &Tube<F>, q: F::Vec3, k: f64, tally: &mut Chec
                 let t = (j as f64 - i as f64) + u;
                 low - slack <= t && t <= high + slack
             });
-            tally.holds(found, || {
-                format!("the f{width} solver misses the root of segment {i} in {low:?}..{high:?}")
-            })?;
+            tally
+                .holds(found, || format!("the f{width} solver misses the root of segment {i} in {low:?}..{high:?}"))?;
         }
     }
     Ok(())

@@ -29,12 +29,7 @@ pub struct WalkReceiver<'a> {
 /// True if light reaches a point. `None` if rounding or the texels of the map can decide.
 ///
 /// `triangles` are in tube space. `reach` is the size at which the renderer rounds their corners.
-pub fn light_reaches(
-    tube: &Tube<f64>,
-    triangles: &[[DVec3; 3]],
-    reach: f64,
-    receiver: &WalkReceiver,
-) -> Option<bool> {
+pub fn light_reaches(tube: &Tube<f64>, triangles: &[[DVec3; 3]], reach: f64, receiver: &WalkReceiver) -> Option<bool> {
     let WalkReceiver { root, normal } = receiver;
     let t = root.segment as f64 + root.u;
     let (v, w) = (root.v_len / root.radius, root.w_len / root.radius);
@@ -116,9 +111,7 @@ impl Path {
             let middle = (a + b + c) / 3.0;
             let size = [a, b, c].iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            thin_part().all(|&(_, p, _)| {
-                normal.dot(p - a).abs() > 4.0 * thin || p.distance(middle) > size + 4.0 * thin
-            })
+            thin_part().all(|&(_, p, _)| normal.dot(p - a).abs() > 4.0 * thin || p.distance(middle) > size + 4.0 * thin)
         })
     }
 

@@ -29,22 +29,19 @@ pub struct WorldCase {
 pub fn cases() -> impl Strategy<Value = WorldCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let units = prop_oneof![Just(0), -300..300];
-    (lights, placement(), units, prop::collection::vec(in_tube(0.99), 1..16)).prop_map(
-        |(light, to, units, places)| {
-            let light = light.with(DIRECTION, DirectionMode::Tube);
-            let tube = Tube::new(&light).expect("valid");
-            let in_world =
-                |place: PointSpec| tube.placement.world_from_tube(place.in_tube_space(&tube)).to_array();
-            WorldCase {
-                points: places.into_iter().map(in_world).collect(),
-                light,
-                translation: to.translation.to_array(),
-                rotation: to.rotation.to_array(),
-                scale: to.scale,
-                units,
-            }
-        },
-    )
+    (lights, placement(), units, prop::collection::vec(in_tube(0.99), 1..16)).prop_map(|(light, to, units, places)| {
+        let light = light.with(DIRECTION, DirectionMode::Tube);
+        let tube = Tube::new(&light).expect("valid");
+        let in_world = |place: PointSpec| tube.placement.world_from_tube(place.in_tube_space(&tube)).to_array();
+        WorldCase {
+            points: places.into_iter().map(in_world).collect(),
+            light,
+            translation: to.translation.to_array(),
+            rotation: to.rotation.to_array(),
+            scale: to.scale,
+            units,
+        }
+    })
 }
 
 /// Checks each point.
@@ -56,10 +53,11 @@ pub fn check(case: &WorldCase, tally: &mut CheckTally) -> Check {
         scale: case.scale,
     };
     let units = 2_f64.powi(case.units);
-    let moved =
-        case.light.clone().with_transform(Transform { scale: case.scale / units, ..move_by }).map_points(
-            |_, point| (point.position, point.radius) = (point.position * units, point.radius * units),
-        );
+    let moved = case
+        .light
+        .clone()
+        .with_transform(Transform { scale: case.scale / units, ..move_by })
+        .map_points(|_, point| (point.position, point.radius) = (point.position * units, point.radius * units));
     let after = Tube::new(&moved).map_err(|error| format!("the moved light is refused: {error}"))?;
     case.points.iter().try_for_each(|&point| check_invariance(&before, &after, &move_by, point.into(), tally))
 }

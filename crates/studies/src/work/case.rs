@@ -1,13 +1,15 @@
 //! Drags of every size, as numbers that can be drawn at random and changed one at a time.
 
 use bench::drag::{FEATURES, TrialScene};
-use drag::{Drag, DragPin, Feature, PinKind, RadiusMode};
+use drag::{Drag, DragPin, Feature, RadiusMode};
 use fastrand::Rng;
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{CONE_ANGLE, END_MODE, ROTATION, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, MAX_SEGMENTS};
 use reference::ReferenceLight;
 use scene::{Material, Mesh, Node, Primitive, Scene};
+
+use crate::drags::pins::pin_kind;
 
 /// Maximum number of pins of a drag.
 pub const MOST_PINS: usize = 256;
@@ -95,7 +97,7 @@ impl WorkCase {
 
     /// Copies the case and draws one of its numbers again.
     #[must_use]
-    pub fn neighbour(&self, rng: &mut Rng, scenes: usize, sizes: CaseSizes) -> Self {
+    pub fn with_one_change(&self, rng: &mut Rng, scenes: usize, sizes: CaseSizes) -> Self {
         let other = Self::random(rng, scenes, sizes);
         let mut next = self.clone();
         match rng.u8(0..13) {
@@ -118,7 +120,7 @@ impl WorkCase {
 
     /// Makes the light and the drag in a scene; `None` if no surface is at the start or the light is invalid.
     pub fn in_scene(&self, stage: &TrialScene) -> Option<(CheckedLight, Drag)> {
-        let size = DVec2::from(stage.view.size.map(f64::from));
+        let size = stage.size();
         let (from, to) = (self.from * size, self.to * size);
         let light = self.light(stage, stage.seen(from)?.position)?;
         let all = light.light().points().len();
@@ -176,12 +178,7 @@ impl WorkCase {
             let (stays, is_hard) = (rng.bool(), rng.f64() < self.hard);
             let surface = stage.surface(pixel)?;
             let sample = stage.reference.sample(&source, &surface)?;
-            let kind = match (sample.is_visible, stays) {
-                (true, true) => PinKind::Lit,
-                (true, false) => PinKind::Direction,
-                (false, true) => PinKind::Shadowed,
-                (false, false) => PinKind::Shadow,
-            };
+            let kind = pin_kind(sample.is_visible, stays);
             Some(DragPin { kind, at: surface.position + stage.origin(), caster: None, is_hard })
         });
         pins.take(self.pins).collect()
@@ -202,8 +199,7 @@ pub fn stages(count: usize, size: [u32; 2]) -> Vec<TrialScene> {
 /// Returns a floor, and intersecting triangles above it.
 fn pile(count: usize) -> Scene {
     let mut rng = Rng::with_seed(1);
-    let mut corner =
-        |wide: f32| glam::Vec3::new(rng.f32() - 0.5, rng.f32() * 0.5 + 0.5, rng.f32() - 0.5) * wide;
+    let mut corner = |wide: f32| glam::Vec3::new(rng.f32() - 0.5, rng.f32() * 0.5 + 0.5, rng.f32() - 0.5) * wide;
     let floor = [(-2.0, -2.0), (-2.0, 2.0), (2.0, 2.0), (2.0, -2.0)].map(|(x, z)| glam::Vec3::new(x, 0.0, z));
     let mut positions = floor.to_vec();
     let mut indices = vec![0, 1, 2, 0, 2, 3];

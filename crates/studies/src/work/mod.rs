@@ -39,28 +39,23 @@ pub struct DragCost {
 /// Measures a drag with a limit of `most` steps; `None` if the case gives no light in its scene.
 fn measure(stages: &[TrialScene], case: &WorkCase, most: u64) -> Option<DragCost> {
     let stage = &stages[case.scene];
-    let (light, asked) = case.in_scene(stage)?;
+    let (light, requested) = case.in_scene(stage)?;
     let work = WorkBudget::with_limit(most, &|_| true);
     let began = Instant::now();
-    let landing = drag_budgeted(&stage.reference.bvh, &stage.view, &light, &asked, &work);
+    let result = drag_budgeted(&stage.reference.bvh, &stage.view, &light, &requested, &work);
     Some(DragCost {
         scene: stage.name.clone(),
         points: light.light().points().len(),
-        chosen: asked.points.as_ref().map_or(0, Vec::len),
-        pins: asked.pins.len(),
+        chosen: requested.points.as_ref().map_or(0, Vec::len),
+        pins: requested.pins.len(),
         steps: work.spent_steps(),
         seconds: began.elapsed().as_secs_f64(),
-        status: format!("{:?}", landing.status),
+        status: format!("{:?}", result.status),
     })
 }
 
 /// Measures random drags. Calls `progress` for each.
-pub fn random(
-    stages: &[TrialScene],
-    count: usize,
-    (seed, most): (u64, u64),
-    progress: impl Fn(),
-) -> Vec<DragCost> {
+pub fn random(stages: &[TrialScene], count: usize, seed: u64, most: u64, progress: impl Fn()) -> Vec<DragCost> {
     let mut rng = Rng::with_seed(seed);
     let cases = (0..count).filter_map(|_| {
         progress();
@@ -70,12 +65,7 @@ pub fn random(
 }
 
 /// Searches the most expensive drags in `tries` tries. Returns each drag that was more expensive than all before it.
-pub fn search(
-    stages: &[TrialScene],
-    tries: usize,
-    (seed, most): (u64, u64),
-    progress: impl Fn(),
-) -> Vec<DragCost> {
+pub fn search(stages: &[TrialScene], tries: usize, seed: u64, most: u64, progress: impl Fn()) -> Vec<DragCost> {
     let mut rng = Rng::with_seed(seed);
     let mut found: Vec<DragCost> = Vec::new();
     let mut best: Option<WorkCase> = None;
@@ -83,7 +73,7 @@ pub fn search(
         progress();
         let is_random = (number as f64) < RANDOM * tries as f64;
         let case = match &best {
-            Some(best) if !is_random => best.neighbour(&mut rng, stages.len(), CaseSizes::ALL),
+            Some(best) if !is_random => best.with_one_change(&mut rng, stages.len(), CaseSizes::ALL),
             _ => WorkCase::random(&mut rng, stages.len(), CaseSizes::ALL),
         };
         let Some(made) = measure(stages, &case, most) else { continue };
@@ -103,18 +93,17 @@ pub fn answers(stages: &[TrialScene], sizes: CaseSizes, count: usize, seed: u64)
     while made < count {
         let case = WorkCase::random(&mut rng, stages.len(), sizes);
         let stage = &stages[case.scene];
-        let Some((light, asked)) = case.in_scene(stage) else { continue };
+        let Some((light, requested)) = case.in_scene(stage) else { continue };
         made += 1;
-        let landing = drag(&stage.reference.bvh, &stage.view, &light, &asked);
-        writeln!(text, "{}", line(&landing)).expect("writing to a string does not fail");
+        let result = drag(&stage.reference.bvh, &stage.view, &light, &requested);
+        writeln!(text, "{}", line(&result)).expect("writing to a string does not fail");
     }
     text
 }
 
 /// Returns the text of a result. Rust formats numbers so that different ones have different texts.
-fn line(landing: &DragResult) -> String {
-    let DragResult { status, light, residual_px, shadowed_by, iterations, from_world, to_world, pivot_world } =
-        landing;
+fn line(result: &DragResult) -> String {
+    let DragResult { status, light, residual_px, shadowed_by, iterations, from_world, to_world, pivot_world } = result;
     let placement = (light.get(TRANSLATION), light.get(ROTATION));
     format!(
         "{status:?} {residual_px:?} {shadowed_by:?} {iterations} {from_world:?} {to_world:?} {pivot_world:?} {:?} {:?} {:?}",

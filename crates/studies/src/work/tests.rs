@@ -25,11 +25,11 @@ fn the_bound_changes_no_answer_of_small_drags() {
 #[test]
 fn the_most_expensive_drags_stay_within_their_bound() {
     let stages = stages(4_000, [640, 360]);
-    let found = search(&stages, 160, (3, MOST), || {});
+    let found = search(&stages, 160, 3, MOST, || {});
     let most = found.last().expect("a drag");
     println!("{most:?}");
     assert!(most.steps <= MOST + MOST / 8 + AT_ONCE, "{most:?}");
     // Deliberate fault that the check must detect: with a larger limit some drags take many times as many steps.
-    let unbounded = random(&stages, 40, (3, 8 * MOST), || {});
+    let unbounded = random(&stages, 40, 3, 8 * MOST, || {});
     assert!(unbounded.iter().any(|made| made.steps > 2 * MOST), "nothing to bound");
 }

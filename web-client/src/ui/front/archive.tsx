@@ -15,7 +15,7 @@ export function Archive() {
   const [isOpen, setOpen] = useState(false);
   const sessions = archived.value;
   if (sessions.length === 0) return <DeleteDialog />;
-  // What is looked for is shown wherever it is.
+  // A search shows its matches wherever they are.
   const isShown = isOpen || find.value.trim() !== "";
   return (
     <section aria-label="Archived">
@@ -102,7 +102,7 @@ function DeleteDialog() {
   );
 }
 
-/** What goes with a session of so many records. */
+/** Says how much is deleted with a session of so many records. */
 function whatGoes(seq: number): string {
   if (seq === 0) return "It has no step yet, and its name and link";
   return seq === 1 ? "Its lights and its one step" : `Its lights and all of its ${seq} steps`;

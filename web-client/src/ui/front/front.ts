@@ -15,7 +15,7 @@ export interface Front {
   /** Sessions that people work on and that are looked for, the latest first. */
   current: ReadonlySignal<readonly SessionEntry[]>;
   archived: ReadonlySignal<readonly SessionEntry[]>;
-  /** How many there are, looked for or not. */
+  /** Number of all, with or without a search. */
   count: ReadonlySignal<number>;
   demos: Signal<readonly DemoScene[]>;
   /** When the list came, in milliseconds since 1970. */
@@ -27,8 +27,10 @@ export interface Front {
   renaming: Signal<string | null>;
   /** The session of which it is asked whether it shall go. */
   deleting: Signal<SessionEntry | null>;
-  /** Whether it is asked what a new session begins with. */
+  /** True while the form of a new session is open. */
   making: Signal<boolean>;
+  /** The title typed for a new session. */
+  title: Signal<string>;
   showKeys: Signal<boolean>;
   /** The session whose card gets the focus once it is there. */
   focused: Signal<string | null>;
@@ -46,14 +48,14 @@ export interface Front {
 
 export interface FrontParts {
   server: Server;
-  /** As they are listed at first. */
+  /** Sessions of the first list. */
   sessions: readonly SessionEntry[];
   missing: string | null;
   actor: Actor;
   toasts: Toasts;
 }
 
-/** How many names are tried for a new session. */
+/** Maximum number of names that are tried for a new session. */
 const MOST_NAMES = 100;
 const TAKEN = 409;
 
@@ -113,6 +115,7 @@ export function startFront({ server, sessions, missing, actor, toasts }: FrontPa
     renaming: signal(null),
     deleting: signal<SessionEntry | null>(null),
     making: signal(false),
+    title: signal(""),
     showKeys: signal(false),
     focused,
     thumbnails: startThumbnails(server),

@@ -17,7 +17,7 @@ import { NewSession } from "./new_session";
 
 /** With more sessions than these they are looked for by name. */
 const MANY = 12;
-/** How often the list is asked for while the page is looked at. */
+/** Time between requests for the list while the page is visible. */
 const REFRESH_MS = 5_000;
 /** Cards that are there at once; more come on demand. */
 const PAGE = 200;
@@ -26,7 +26,7 @@ const STALE = "The server does not answer: what stands here may be old.";
 
 export function FrontPage() {
   const front = useFront();
-  const { showKeys, making, find, missing, toasts, refresh, count } = front;
+  const { showKeys, making, title, find, missing, toasts, refresh, count } = front;
   useEffect(() => {
     const again = () => document.hidden || refresh().catch(() => toasts.add(STALE));
     const timer = setInterval(again, REFRESH_MS);
@@ -74,7 +74,7 @@ export function FrontPage() {
         <OpeningPanel opener={OPENER} />
         <Toasts toasts={toasts.list} />
       </div>
-      <DropTarget />
+      <DropTarget title={title} />
       <KeyList shown={showKeys} keys={FRONT_KEYS} />
     </div>
   );

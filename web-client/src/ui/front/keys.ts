@@ -30,7 +30,7 @@ function taskFor(front: Front, key: string): (() => void) | null {
   return session === undefined ? null : taskForCard(front, session, key, links[at + 1] ?? links[at - 1]);
 }
 
-/** What the key does to the session of the card that has the focus; `next` has it where that card goes. */
+/** Task of a key for the session of the focused card; `next` gets the focus if that card disappears. */
 function taskForCard(
   front: Front,
   session: SessionEntry,

@@ -1,5 +1,6 @@
 // A new session: what it is called and the scene that it begins with.
 
+import type { Signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { pickFiles } from "../given_files";
@@ -10,14 +11,15 @@ import { useFront } from "./front";
 const EMPTY = "empty";
 
 export function NewSession() {
-  const { making, demos, create } = useFront();
+  const { making, title, demos, create } = useFront();
   const opening = useOpening();
   const dialog = useRef<HTMLDialogElement>(null);
   const isShown = making.value;
   useEffect(() => {
     if (isShown) dialog.current?.showModal();
     else dialog.current?.close();
-  }, [isShown]);
+    title.value = "";
+  }, [isShown, title]);
   const close = () => (making.value = false);
   const isOpening = opening.state.value !== null;
   useEffect(() => {
@@ -28,6 +30,7 @@ export function NewSession() {
     <dialog class="front-dialog" ref={dialog} aria-labelledby="new-session" onCancel={close}>
       {isShown && (
         <Form
+          title={title}
           scenes={demos.value}
           cancel={close}
           pick={(title, folder) =>
@@ -47,6 +50,7 @@ export function NewSession() {
 }
 
 interface FormProps {
+  title: Signal<string>;
   scenes: readonly { scene: string; name: string; shows: string }[];
   cancel(): void;
   make(title: string, scene: string | null): void;
@@ -54,8 +58,7 @@ interface FormProps {
   pick(title: string, folder: boolean): void;
 }
 
-function Form({ scenes, cancel, make, pick }: FormProps) {
-  const title = useRef<HTMLInputElement>(null);
+function Form({ title, scenes, cancel, make, pick }: FormProps) {
   const [scene, setScene] = useState(scenes[0]?.scene ?? EMPTY);
   const choices = [
     ...scenes.map(({ scene, name, shows }) => ({
@@ -65,7 +68,7 @@ function Form({ scenes, cancel, make, pick }: FormProps) {
     })),
     { value: EMPTY, name: "Empty", shows: "No scene yet: you or a program can load one later" },
   ];
-  const typed = () => title.current?.value.trim() ?? "";
+  const typed = () => title.value.trim();
   const submit = (event: Event) => {
     event.preventDefault();
     make(typed(), scene === EMPTY ? null : scene);
@@ -75,7 +78,13 @@ function Form({ scenes, cancel, make, pick }: FormProps) {
       <h2 id="new-session">New session</h2>
       <label class="front-label">
         Name
-        <input class="text" ref={title} placeholder="Untitled" maxLength={120} autocomplete="off" />
+        <input
+          class="text"
+          placeholder="Untitled"
+          maxLength={120}
+          autocomplete="off"
+          onInput={(event) => (title.value = event.currentTarget.value)}
+        />
       </label>
       <fieldset class="front-scenes">
         <legend>Scene</legend>

@@ -1,4 +1,4 @@
-// What the front page asks the server.
+// Requests of the front page to the server.
 
 import type { Actor, DemoScene, DemoScenes, SessionEntry, SessionList } from "../../core/protocol";
 
@@ -6,7 +6,7 @@ import type { Actor, DemoScene, DemoScenes, SessionEntry, SessionList } from "..
 export class Refused extends Error {
   constructor(
     message: string,
-    /** Of the answer; 0 where there was none. */
+    /** Status of the answer; 0 if there was none. */
     readonly status: number,
   ) {
     super(message);
@@ -48,7 +48,7 @@ export function serverOf(token: string) {
       const answer = await ask("GET", "/sessions?archived=true");
       return ((await answer.json()) as SessionList).sessions;
     },
-    /** What the list says of one; `null` where there is none of that name. */
+    /** Entry of a session in the list; `null` if no session has that name. */
     async entry(session: string): Promise<SessionEntry | null> {
       const answer = await ask("GET", `/sessions?name=${encodeURIComponent(session)}`);
       return ((await answer.json()) as SessionList).sessions[0] ?? null;

@@ -22,7 +22,7 @@ const AGAIN_AFTER_MS = 15_000;
 
 interface Held {
   thumbnail: Signal<Thumbnail>;
-  /** Which of the session's documents it shows. */
+  /** Document of the session that it shows. */
   of: string | null;
   askedMs: number;
 }

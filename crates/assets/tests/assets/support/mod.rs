@@ -20,10 +20,7 @@ pub fn assert_sound(loaded: &LoadedScene, what: &str) {
     let LoadedScene { scene, contents, .. } = loaded;
     scene.check().unwrap_or_else(|error| panic!("{what}: {error}"));
     for primitive in scene.meshes.iter().flat_map(|m| &m.primitives) {
-        assert!(
-            primitive.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-5),
-            "{what}: normals are unit"
-        );
+        assert!(primitive.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-5), "{what}: normals are unit");
         assert!(primitive.uvs.iter().all(|uv| uv.is_finite()), "{what}: texture coordinates are finite");
         assert!(primitive.colors.iter().all(|c| c.is_finite()), "{what}: colours are finite");
     }
@@ -39,10 +36,7 @@ pub fn assert_sound(loaded: &LoadedScene, what: &str) {
         assert!((axes.determinant() - 1.0).abs() < 1e-9 && axes.is_finite(), "{what}: {camera:?} is rigid");
         let sound = match camera.projection {
             Projection::Perspective { yfov, znear, zfar, .. } => {
-                0.0 < yfov
-                    && yfov < std::f64::consts::PI
-                    && 0.0 < znear
-                    && zfar.is_none_or(|zfar| znear < zfar)
+                0.0 < yfov && yfov < std::f64::consts::PI && 0.0 < znear && zfar.is_none_or(|zfar| znear < zfar)
             }
             Projection::Orthographic { ymag, znear, zfar, .. } => 0.0 < ymag && 0.0 <= znear && znear < zfar,
         };
@@ -50,9 +44,6 @@ pub fn assert_sound(loaded: &LoadedScene, what: &str) {
     }
     for light in contents.lights.iter().map(|light| light.light()) {
         assert!(!matches!(light.shape(), LightShape::Bendy(_)), "{what}: glTF has no {light:?}");
-        assert!(
-            light.get(COLOR).cmpge(DVec3::ZERO).all() && light.get(INTENSITY) >= 0.0,
-            "{what}: {light:?}"
-        );
+        assert!(light.get(COLOR).cmpge(DVec3::ZERO).all() && light.get(INTENSITY) >= 0.0, "{what}: {light:?}");
     }
 }

@@ -4,29 +4,25 @@ use plotters::prelude::*;
 
 use super::super::{FrameBenchReport, GrowthAxis, GrowthCosts, GrowthPoint};
 use super::color_of;
-use crate::chart::{self, Area, ChartResult, FAINT, range};
+use crate::chart::{self, Area, ChartResult, FAINT, PlotLayout, range};
 
 /// Selects the costs of one backend.
 type CostOf = fn(&GrowthPoint) -> Option<GrowthCosts>;
 
 /// Draws a line for the measured backend, and one for wgpu if that is another.
-pub(super) fn draw(
-    area: &Area,
-    GrowthAxis { axis, points }: &GrowthAxis,
-    report: &FrameBenchReport,
-) -> ChartResult {
+pub(super) fn draw(area: &Area, GrowthAxis { axis, points }: &GrowthAxis, report: &FrameBenchReport) -> ChartResult {
     let (least, most) = range(points.iter().map(|point| point.value as f64));
     let all = points.iter().flat_map(|point| [Some(point.grown), point.by_wgpu]).flatten();
     let (fastest, slowest) = range(all.flat_map(|grown| [grown.frame.wall_ms.min, grown.frame.wall_ms.p50]));
     // The margin leaves room for the labels.
     let x_range = (least / 1.6)..(most * 3.0).max(least * 4.0);
     let y_range = (fastest / 2.0).max(0.1)..slowest * 2.5;
-    let mut plot = ChartBuilder::on(area)
-        .caption(axis, ("sans-serif", 14))
-        .margin(8)
-        .x_label_area_size(28)
-        .y_label_area_size(42)
-        .build_cartesian_2d(x_range.log_scale(), y_range.log_scale())?;
+    let mut plot = PlotLayout { caption: 14, margin: 8, below: 28, left: 42 }.plot(
+        area,
+        axis,
+        x_range.log_scale(),
+        y_range.log_scale(),
+    )?;
     plot.configure_mesh()
         .light_line_style(FAINT)
         .x_labels(4)
@@ -39,19 +35,14 @@ pub(super) fn draw(
     // A single backend needs no name.
     for (backend, of) in lines.into_iter().take(report.errors.len()) {
         let color = color_of(backend, report);
-        let grown: Vec<_> =
-            points.iter().filter_map(|point| Some((point.value as f64, of(point)?))).collect();
+        let grown: Vec<_> = points.iter().filter_map(|point| Some((point.value as f64, of(point)?))).collect();
         let line = grown.iter().map(|(x, grown)| (*x, grown.frame.wall_ms.p50));
         plot.draw_series(LineSeries::new(line, color.stroke_width(2)).point_size(3))?
             .label(backend)
             .legend(chart::line(color.stroke_width(2)));
         let label = |(x, grown): &(f64, GrowthCosts)| {
             let error = format!("{:.0e}", grown.error.radiance_rmse);
-            Text::new(
-                error,
-                (*x, grown.frame.wall_ms.p50 * 1.35),
-                ("sans-serif", 10).into_font().color(&color),
-            )
+            Text::new(error, (*x, grown.frame.wall_ms.p50 * 1.35), ("sans-serif", 10).into_font().color(&color))
         };
         plot.draw_series(grown.iter().map(label))?;
     }

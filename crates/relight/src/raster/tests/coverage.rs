@@ -56,19 +56,18 @@ fn mesh(random: &mut Random, side: usize, cell: i32) -> Vec<[[i32; 2]; 3]> {
     let mut grid = Vec::new();
     for index in 0..(cells + 1) * (cells + 1) {
         let on_centres = random.whole(0, 3) == 0;
-        let place = [index % (cells + 1), index / (cells + 1)].map(|step| {
-            let place = (step - 2) * cell + random.whole(-cell / 3, cell / 3 + 1);
-            if on_centres { place / 256 * 256 } else { place }
+        let corner = [index % (cells + 1), index / (cells + 1)].map(|step| {
+            let coordinate = (step - 2) * cell + random.whole(-cell / 3, cell / 3 + 1);
+            if on_centres { coordinate / 256 * 256 } else { coordinate }
         });
-        grid.push(place);
+        grid.push(corner);
     }
     let mut triangles = Vec::new();
     for index in 0..cells * cells {
         let at = (index % cells + index / cells * (cells + 1)) as usize;
         let below = at + cells as usize + 1;
         let [a, b, c, d] = [grid[at], grid[at + 1], grid[below], grid[below + 1]];
-        let (mut one, two) =
-            if random.whole(0, 2) == 0 { ([a, b, c], [b, c, d]) } else { ([a, b, d], [a, d, c]) };
+        let (mut one, two) = if random.whole(0, 2) == 0 { ([a, b, c], [b, c, d]) } else { ([a, b, d], [a, d, c]) };
         one.rotate_left(random.whole(0, 3) as usize);
         triangles.extend([one, two]);
     }
@@ -76,7 +75,7 @@ fn mesh(random: &mut Random, side: usize, cell: i32) -> Vec<[[i32; 2]; 3]> {
 }
 
 #[test]
-fn of_triangles_that_tile_the_map_each_texel_is_in_exactly_one() {
+fn each_texel_is_in_exactly_one_of_triangles_that_tile_the_map() {
     let mut random = Random(5);
     // Cells of at least 3 texels, so that no triangle turns over where corners move onto centers.
     for (side, cell) in [(64, 900), (64, 2100), (37, 1300), (300, 40_000)] {
@@ -85,8 +84,7 @@ fn of_triangles_that_tile_the_map_each_texel_is_in_exactly_one() {
         assert_eq!(counts(&shapes, PLAIN, side), vec![1; side * side]);
         // Deliberate fault that the check must detect: edges that belong to both sides.
         let count = |index: usize| {
-            let is_in =
-                |corners: &&[[i32; 2]; 3]| is_covered_with_edges(**corners, index % side, index / side);
+            let is_in = |corners: &&[[i32; 2]; 3]| is_covered_with_edges(**corners, index % side, index / side);
             triangles.iter().filter(is_in).count()
         };
         assert!((0..side * side).any(|index| count(index) > 1));
@@ -94,7 +92,7 @@ fn of_triangles_that_tile_the_map_each_texel_is_in_exactly_one() {
 }
 
 #[test]
-fn of_a_fan_about_a_centre_one_triangle_has_it() {
+fn one_triangle_of_a_fan_covers_its_centre() {
     let mut random = Random(3);
     let (side, middle) = (16, [7 * 256, 9 * 256]);
     for blades in 3..12 {

@@ -9,12 +9,7 @@ const MAX_POSITION_ERROR: f64 = 1.0 / 256.0;
 
 /// Decides if a texel is in the part of a triangle with w of at least `least_w`; `None` if it is too close to tell.
 /// Returns the least and the greatest w and value there too.
-fn expected(
-    triangle: &RasterTriangle,
-    index: usize,
-    side: usize,
-    least_w: f64,
-) -> (Option<bool>, [[f64; 2]; 2]) {
+fn expected(triangle: &RasterTriangle, index: usize, side: usize, least_w: f64) -> (Option<bool>, [[f64; 2]; 2]) {
     let (column, row) = ((index % side) as f64 + 0.5, (index / side) as f64 + 0.5);
     let around = [
         [-MAX_POSITION_ERROR, -MAX_POSITION_ERROR],
@@ -44,7 +39,7 @@ fn about_the_light(random: &mut Random) -> RasterTriangle {
 }
 
 #[test]
-fn of_a_triangle_that_reaches_behind_the_light_what_is_ahead_is_drawn() {
+fn the_part_of_a_triangle_ahead_of_the_light_is_drawn() {
     let mut random = Random(33);
     let side = 64;
     let (mut covered, mut unsure, mut behind) = (0, 0, 0);
@@ -59,7 +54,7 @@ fn of_a_triangle_that_reaches_behind_the_light_what_is_ahead_is_drawn() {
             if is_in == Some(true) {
                 covered += 1;
                 behind += usize::from(triangle.iter().any(|corner| corner[2] < 0.0));
-                // As in `depths.rs`, where N and D at the cut are at most so many times as large as here.
+                // The bound of `depths.rs`, where N and D at the cut are at most so many times as large as here.
                 let tolerance = 1e-3 + (most - least);
                 let depth = f64::from(depth);
                 assert!(depth > least - tolerance && depth < most + tolerance, "{depth}: {least} to {most}");
@@ -70,7 +65,7 @@ fn of_a_triangle_that_reaches_behind_the_light_what_is_ahead_is_drawn() {
 }
 
 #[test]
-fn what_is_nearer_than_near_is_cut_away() {
+fn geometry_nearer_than_the_near_plane_is_clipped() {
     let mut random = Random(71);
     let (side, near) = (64, 0.3_f32);
     let (mut covered, mut cut) = (0, 0);
@@ -95,17 +90,16 @@ fn what_is_nearer_than_near_is_cut_away() {
 }
 
 #[test]
-fn a_floor_that_goes_on_behind_the_light_is_tiled_without_gaps() {
+fn a_floor_that_reaches_behind_the_light_is_tiled_without_gaps() {
     let mut random = Random(15);
     let (side, cells) = (64, 12);
     let mut grid = Vec::new();
     for index in 0..(cells + 1) * (cells + 1) {
         let [across, ahead] = [index % (cells + 1), index / (cells + 1)];
-        let place = |step: usize, random: &mut Random| {
-            (step as f32 - 0.5 * cells as f32 + random.real(-0.3, 0.3)) * 3.0
-        };
+        let coordinate =
+            |step: usize, random: &mut Random| (step as f32 - 0.5 * cells as f32 + random.real(-0.3, 0.3)) * 3.0;
         // The floor is half a unit below the light, and tilted. Beyond its end there is nothing.
-        let [x, w] = [place(across, &mut random), place(ahead, &mut random)];
+        let [x, w] = [coordinate(across, &mut random), coordinate(ahead, &mut random)];
         grid.push([x, -0.5 - 0.1 * w, w, 0.5]);
     }
     let mut floor: Vec<RasterTriangle> = Vec::new();
@@ -122,23 +116,16 @@ fn a_floor_that_goes_on_behind_the_light_is_tiled_without_gaps() {
 }
 
 #[test]
-fn triangles_at_the_tip_draw_nothing() {
+fn triangles_at_the_source_draw_nothing() {
     let tip = [0.0, 0.0, 0.0, 0.1];
     let (a, b) = ([0.3, 0.2, 0.5, 0.3], [-0.4, 0.7, 1.0, 0.5]);
     let nowhere = [0.3, 0.2, 0.0, 0.3];
     let no_number = [f32::NAN, 0.0, 1.0, 0.5];
     let too_far = [f32::INFINITY, 0.0, 1.0, 0.5];
     let behind = a.map(|x| -x);
-    for triangle in [
-        [tip, a, b],
-        [a, tip, b],
-        [tip; 3],
-        [tip, tip, a],
-        [a, a, b],
-        [no_number, a, b],
-        [a, too_far, b],
-        [behind; 3],
-    ] {
+    for triangle in
+        [[tip, a, b], [a, tip, b], [tip; 3], [tip, tip, a], [a, a, b], [no_number, a, b], [a, too_far, b], [behind; 3]]
+    {
         assert!(drawn(&[triangle], PLAIN, 32).iter().all(|depth| *depth == 1.0), "{triangle:?}");
     }
     // A corner with w = 0 is clipped at the guard band, and all depths are finite.
@@ -147,7 +134,7 @@ fn triangles_at_the_tip_draw_nothing() {
 }
 
 #[test]
-fn corners_far_aside_do_not_move_what_is_seen() {
+fn corners_far_aside_do_not_move_the_visible_part() {
     let side = 64;
     // The triangle covers half of the map, however far its other corners are. Beyond 2^9 times the map it is clipped.
     for far in [3.0, 100.0, 1e3, 1e5, 1e7] {

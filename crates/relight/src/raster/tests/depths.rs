@@ -11,11 +11,11 @@ fn random_triangle(random: &mut Random, side: usize) -> ([[i32; 2]; 3], RasterTr
     let size = [400, 3000, 30_000, 90_000][random.whole(0, 4) as usize];
     let first = [random.whole(0, 256 * side as i32), random.whole(0, 256 * side as i32)];
     let corners = [0, 1, 2].map(|_| first.map(|x| x + random.whole(-size, size)));
-    let places = corners.map(|at| {
+    let triangle = corners.map(|at| {
         let (w, value) = (random.real(0.1, 1.0), random.real(0.05, 0.95));
         corner(at, w, value, side)
     });
-    (corners, places)
+    (corners, triangle)
 }
 
 /// Computes N or D at a center by [`shares`], and its greatest value at a corner.
@@ -40,9 +40,9 @@ fn values_are_interpolated_by_perspective() {
     let side = 300;
     let (mut covered, mut affine) = (0, 0);
     for _ in 0..120 {
-        let (corners, places) = random_triangle(&mut random, side);
-        let texels = drawn(&[places], PLAIN, side);
-        let [values, ds] = [3, 2].map(|k| places.map(|place| f64::from(place[k])));
+        let (corners, triangle) = random_triangle(&mut random, side);
+        let texels = drawn(&[triangle], PLAIN, side);
+        let [values, ds] = [3, 2].map(|k| triangle.map(|corner| f64::from(corner[k])));
         let ds = ds.map(f64::recip);
         for (index, depth) in texels.iter().enumerate() {
             let (column, row) = (index % side, index / side);
@@ -53,7 +53,7 @@ fn values_are_interpolated_by_perspective() {
             let d = linear(corners, ds, column, row);
             let (expected, error) = (n.0 / d.0, (f64::from(*depth) - n.0 / d.0).abs());
             let tolerance = tolerance(expected, n, d);
-            assert!(error <= tolerance, "{error:e} of {tolerance:e} at {column}, {row}: {places:?}");
+            assert!(error <= tolerance, "{error:e} of {tolerance:e} at {column}, {row}: {triangle:?}");
             covered += 1;
             // Deliberate fault that the check must detect: values that are linear on the map.
             affine += usize::from((linear(corners, values, column, row).0 - expected).abs() > tolerance);
@@ -83,9 +83,9 @@ fn a_straight_lights_depth_is_near_over_w() {
     let near = 0.07_f32;
     let mut covered = 0;
     for _ in 0..60 {
-        let (corners, places) = random_triangle(&mut random, side);
-        let texels = drawn(&[places], DepthRule::Perspective { near }, side);
-        let ds = places.map(|place| f64::from(near) / f64::from(place[2]));
+        let (corners, triangle) = random_triangle(&mut random, side);
+        let texels = drawn(&[triangle], DepthRule::Perspective { near }, side);
+        let ds = triangle.map(|corner| f64::from(near) / f64::from(corner[2]));
         for (index, depth) in texels.iter().enumerate() {
             let (column, row) = (index % side, index / side);
             if is_covered(corners, column, row) {
@@ -104,8 +104,7 @@ fn a_straight_lights_depth_is_near_over_w() {
 fn an_orthographic_depth_is_the_value_where_it_is_within_0_and_1() {
     let side = 64;
     // From -0.5 at the left to 1.5 at the right.
-    let all =
-        [[-1.0, 1.0, -0.5], [3.0, 1.0, 3.5], [-1.0, -3.0, -0.5]].map(|[x, y, value]| [x, y, 1.0, value]);
+    let all = [[-1.0, 1.0, -0.5], [3.0, 1.0, 3.5], [-1.0, -3.0, -0.5]].map(|[x, y, value]| [x, y, 1.0, value]);
     let texels = drawn(&[all], DepthRule::Orthographic, side);
     for (index, depth) in texels.iter().enumerate() {
         let value = 2.0 * ((index % side) as f64 + 0.5) / side as f64 - 0.5;
@@ -117,8 +116,7 @@ fn an_orthographic_depth_is_the_value_where_it_is_within_0_and_1() {
 #[test]
 fn the_nearest_triangle_wins_whatever_the_order() {
     let side = 20;
-    let all =
-        |value: f32, w: f32| [[-1.0, 1.0], [3.0, 1.0], [-1.0, -3.0]].map(|[x, y]| [x * w, y * w, w, value]);
+    let all = |value: f32, w: f32| [[-1.0, 1.0], [3.0, 1.0], [-1.0, -3.0]].map(|[x, y]| [x * w, y * w, w, value]);
     let (near, far) = (all(0.25, 0.5), all(0.75, 0.8));
     let straight = DepthRule::Perspective { near: 0.25 };
     for pair in [[near, far], [far, near]] {

@@ -3,14 +3,10 @@
 use glam::Mat3;
 
 use super::oracle::meet;
-use super::{DepthRule, PLAIN, Random, RasterTriangle};
+use super::{DepthRule, PLAIN, Random, RasterTriangle, drawn_face};
 use crate::Workers;
 use crate::alpha_test::{AlphaTest, AlphaTests};
-use crate::depth_map::stride;
-use crate::raster::{
-    AlphaTestedTriangle, AlphaTestedTriangles, MapFace, RasterMemory, draw_face_with_alpha_tests,
-    without_gaps,
-};
+use crate::raster::{AlphaTestedTriangle, AlphaTestedTriangles, MapFace, RasterMemory};
 
 const TEST: AlphaTest = AlphaTest { nearest: true, ..AlphaTest::OF_ONE_TEXEL };
 
@@ -22,19 +18,8 @@ fn drawn(
     side: usize,
 ) -> Vec<f32> {
     let face = MapFace { clip_from_map: Mat3::IDENTITY, depths };
-    let mut texels = vec![f32::NAN; side * stride(side)];
     let alpha_tested = AlphaTestedTriangles { chunks: &[triangles], tests };
-    draw_face_with_alpha_tests(
-        &face,
-        &[plain],
-        &alpha_tested,
-        &Workers::with_threads(2),
-        &mut RasterMemory::default(),
-        &mut texels,
-        side,
-    )
-    .expect("not cancelled");
-    without_gaps(&texels, side)
+    drawn_face(&face, &[plain], &alpha_tested, &Workers::with_threads(2), &mut RasterMemory::default(), side)
 }
 
 /// Makes a floor below the light that continues behind it, with one cell of a texture along x, and one along the depth.
@@ -54,8 +39,7 @@ fn holes_are_where_perspective_puts_them() {
     let test = AlphaTest { width: 2, height: 2, ..TEST };
     let tests = AlphaTests { tests: &[test], texels: &[255, 0, 0, 255] };
     let scaled = |triangle: RasterTriangle| {
-        let uv_alpha =
-            triangle.map(|[x, _, w, _]| [x, w, 1.0].map(|x| if x == 1.0 { 1.0 } else { x / (2.0 * cell) }));
+        let uv_alpha = triangle.map(|[x, _, w, _]| [x, w, 1.0].map(|x| if x == 1.0 { 1.0 } else { x / (2.0 * cell) }));
         AlphaTestedTriangle { uv_alpha, ..with_uv(triangle, 0) }
     };
     let triangles = floor().map(scaled);
@@ -67,8 +51,7 @@ fn holes_are_where_perspective_puts_them() {
         let x = w * (2.0 * column / side as f64 - 1.0);
         // Only texels that are clear of the edges of cells, and near enough that 1/256 of a texel of the map does not
         // matter.
-        let is_clear =
-            |x: f64| (x / f64::from(cell)).fract().abs() > 0.1 && (x / f64::from(cell)).fract().abs() < 0.9;
+        let is_clear = |x: f64| (x / f64::from(cell)).fract().abs() > 0.1 && (x / f64::from(cell)).fract().abs() < 0.9;
         if w > 0.0 && w < 2.0 && x.abs() < 3.0 && is_clear(x) && is_clear(w) {
             let is_solid =
                 |x: f64, w: f64| ((x / f64::from(cell)).floor() + (w / f64::from(cell)).floor()) % 2.0 == 0.0;
@@ -96,9 +79,8 @@ fn a_solid_picture_makes_no_difference_and_an_empty_one_all() {
     let solid = AlphaTest { cutoff: 0.8, factor: 0.9, ..TEST };
     let tests = [solid, AlphaTest { offset: 1, ..solid }, AlphaTest { factor: 0.7, ..solid }];
     let tests = AlphaTests { tests: &tests, texels: &[255, 100] };
-    let of = |test: u32| {
-        triangles.iter().map(|triangle| with_uv(*triangle, test)).collect::<Vec<AlphaTestedTriangle>>()
-    };
+    let of =
+        |test: u32| triangles.iter().map(|triangle| with_uv(*triangle, test)).collect::<Vec<AlphaTestedTriangle>>();
     for depths in [PLAIN, DepthRule::Perspective { near: 0.1 }, DepthRule::Orthographic] {
         let nothing = drawn(&[], &[], tests, depths, side);
         assert_eq!(drawn(&[], &of(1), tests, depths, side), nothing, "the texel's alpha is too little");

@@ -2,9 +2,9 @@
 
 use glam::{Mat3, Vec3};
 
-use super::{DepthRule, PLAIN, Random, RasterTriangle, drawn};
+use super::{DepthRule, NO_ALPHA_TESTED, PLAIN, Random, RasterTriangle, drawn, drawn_face};
 use crate::Workers;
-use crate::raster::{MapFace, RasterMemory, draw_face};
+use crate::raster::{MapFace, RasterMemory};
 
 /// Makes triangles, some of them large, some behind the light.
 fn random_triangles(random: &mut Random, count: usize) -> Vec<RasterTriangle> {
@@ -32,17 +32,8 @@ fn a_map_has_the_same_bytes_however_many_threads_draw_it() {
             let workers = Workers::with_threads(threads);
             let chunks: Vec<&[RasterTriangle]> = triangles.chunks(chunk).collect();
             // Another map in between leaves nothing behind.
-            draw_face(
-                &face,
-                &[random_triangles(&mut Random(6), 50)],
-                &workers,
-                &mut scratch,
-                &mut [0.0; 49],
-                7,
-            );
-            let mut texels = vec![0.0; 300 * 300];
-            draw_face(&face, &chunks, &workers, &mut scratch, &mut texels, 300);
-            maps.push(bits(&texels));
+            drawn_face(&face, &[random_triangles(&mut Random(6), 50)], &NO_ALPHA_TESTED, &workers, &mut scratch, 7);
+            maps.push(bits(&drawn_face(&face, &chunks, &NO_ALPHA_TESTED, &workers, &mut scratch, 300)));
         }
         let backwards: Vec<RasterTriangle> = triangles.iter().rev().copied().collect();
         maps.push(bits(&drawn(&backwards, depths, 300)));
@@ -59,17 +50,12 @@ fn maps_of_all_sizes_are_drawn_to_their_edges() {
         for depths in [PLAIN, DepthRule::Orthographic] {
             assert!(drawn(&[[a, b, c], [b, c, d]], depths, side).iter().all(|depth| *depth == 0.5), "{side}");
         }
-        let above = drawn(&[[a, b, c]], PLAIN, side);
-        let is_above = |index: usize| index % side + index / side + 1 < side;
-        let is_right =
-            |(index, depth): (usize, &f32)| (*depth < 1.0) == is_above(index) || is_on(index, side);
-        assert!(above.iter().enumerate().all(is_right), "{side}");
+        // Above the diagonal from the top right to the bottom left, or on it.
+        for (index, depth) in drawn(&[[a, b, c]], PLAIN, side).iter().enumerate() {
+            let diagonal = index % side + index / side + 1;
+            assert!((*depth < 1.0) == (diagonal < side) || diagonal == side, "{index} of {side}");
+        }
     }
-}
-
-/// True on the diagonal from the top right to the bottom left.
-fn is_on(index: usize, side: usize) -> bool {
-    index % side + index / side + 1 == side
 }
 
 #[test]
@@ -78,12 +64,11 @@ fn a_face_shows_what_its_matrix_puts_there() {
     let axes = Mat3::from_cols(Vec3::Z, Vec3::NEG_X, Vec3::Y);
     let quarter = Mat3::from_cols(Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::new(-1.0, -1.0, 1.0));
     let face = MapFace { clip_from_map: quarter * axes, depths: PLAIN };
-    let place = |right: f32, up: f32| [2.0, -2.0 * right, 2.0 * up, 0.5];
-    let triangle = [place(0.0, 0.0), place(0.5, 0.0), place(0.0, 0.5)];
-    let mut texels = vec![0.0; 64];
-    draw_face(&face, &[[triangle]], &Workers::with_threads(1), &mut RasterMemory::default(), &mut texels, 8);
-    let covered: Vec<usize> =
-        texels.iter().enumerate().filter(|(_, x)| **x < 1.0).map(|(index, _)| index).collect();
+    let corner = |right: f32, up: f32| [2.0, -2.0 * right, 2.0 * up, 0.5];
+    let triangle = [corner(0.0, 0.0), corner(0.5, 0.0), corner(0.0, 0.5)];
+    let (workers, mut scratch) = (Workers::with_threads(1), RasterMemory::default());
+    let texels = drawn_face(&face, &[[triangle]], &NO_ALPHA_TESTED, &workers, &mut scratch, 8);
+    let covered: Vec<usize> = texels.iter().enumerate().filter(|(_, x)| **x < 1.0).map(|(index, _)| index).collect();
     // The triangle is half of the lower left quarter of the face. Centers on the long edge, which is to their left, are
     // not covered.
     assert_eq!(covered, [40, 48, 49, 56, 57, 58]);

@@ -34,22 +34,19 @@ fn arrow() -> Image {
 /// Returns a floor of many triangles under a sheet of cards with 18 materials: every wrap mode, nearest and linear
 /// magnification, several cutoffs and factors, and alpha at vertices.
 fn scene(wraps: [Wrap; 3]) -> Scene {
-    let floor = {
-        let points = (0..400).map(|k| Vec3::new((k % 20) as f32 - 9.5, 0.0, (k / 20) as f32 - 9.5) * 0.4);
-        let quads = (0..19).flat_map(|i| (0..19).map(move |j| 20 * i + j));
-        Primitive {
-            positions: points.collect(),
-            normals: vec![Vec3::Y; 400],
-            indices: quads.flat_map(|k| [k, k + 20, k + 21, k, k + 21, k + 1]).collect(),
-            ..Primitive::default()
-        }
+    let points = (0..400).map(|k| Vec3::new((k % 20) as f32 - 9.5, 0.0, (k / 20) as f32 - 9.5) * 0.4);
+    let quads = (0..19).flat_map(|i| (0..19).map(move |j| 20 * i + j));
+    let floor = Primitive {
+        positions: points.collect(),
+        normals: vec![Vec3::Y; 400],
+        indices: quads.flat_map(|k| [k, k + 20, k + 21, k, k + 21, k + 1]).collect(),
+        ..Primitive::default()
     };
     let card = |k: u32| {
         let (column, row) = (k % CARDS, k / CARDS);
         let corners = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)];
         let at = |(x, z): (f32, f32)| {
-            Vec3::new((column as f32 + x) / CARDS as f32 - 0.5, 0.0, (row as f32 + z) / CARDS as f32 - 0.5)
-                * 2.0
+            Vec3::new((column as f32 + x) / CARDS as f32 - 0.5, 0.0, (row as f32 + z) / CARDS as f32 - 0.5) * 2.0
         };
         Primitive {
             positions: corners.map(at).into(),
@@ -86,6 +83,13 @@ fn scene(wraps: [Wrap; 3]) -> Scene {
         ..Scene::default()
     };
     scene.check().expect("sound");
+    scene
+}
+
+/// Returns the scene without alpha tests.
+fn solid() -> Scene {
+    let mut scene = scene(WRAPS);
+    scene.materials.iter_mut().for_each(|material| material.alpha_cutoff = None);
     scene
 }
 
@@ -126,9 +130,7 @@ fn holes_are_where_samplers_find_them() {
     let [repeat, mirror, clamp] = WRAPS;
     let swapped = differing(&visibility(&scene([mirror, repeat, clamp]), &bent, fine), &expected);
     assert!(swapped > 10.0 * found && swapped > 0.05, "{swapped} after {found}");
-    let mut solid = scene(WRAPS);
-    solid.materials.iter_mut().for_each(|material| material.alpha_cutoff = None);
-    let solid = differing(&visibility(&solid, &bent, fine), &expected);
+    let solid = differing(&visibility(&solid(), &bent, fine), &expected);
     assert!(solid > 0.1, "{solid}");
 }
 
@@ -160,9 +162,7 @@ fn only_holes_take_room() {
     assert_eq!(found, expected);
     assert!(cramped.bent_buffers().capacity.masked_vertices >= 3 * 2 * CARDS * CARDS);
 
-    let mut solid = scene(WRAPS);
-    solid.materials.iter_mut().for_each(|material| material.alpha_cutoff = None);
-    let mut solid = renderer(&solid);
+    let mut solid = renderer(&solid());
     solid.render(&view(Aov::Visibility), &alone(&bent)).expect("drawn");
     assert_eq!(solid.bent_buffers().capacity.masked_vertices, 0);
     assert!(solid.gpu_scene().1.alpha_tests.is_none());

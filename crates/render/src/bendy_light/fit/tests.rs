@@ -74,8 +74,19 @@ fn soup(tube: &Tube<f64>, seed: u64) -> Vec<[f32; 3]> {
     positions
 }
 
+/// Returns the fit of a light's map to casters near it, and tube coordinates of points on them.
+fn fitted(light: &Light, seed: u64) -> (BendyFit, Vec<[f64; 4]>) {
+    let tube = Tube::new(light).expect("checked before");
+    let positions = soup(&tube, seed);
+    let indices: Vec<u32> = (0..positions.len() as u32).collect();
+    let clusters = crate::clusters::of_opaque(&positions, &indices);
+    let t_max = super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0));
+    let fit = BendyFit::new(&tube, Faces::of(light), t_max, ORIGIN, &clusters, Culling::ALL);
+    (fit, coords_on(&tube, &positions, &mut Numbers(seed)))
+}
+
 /// Returns the tube coordinates of points spread over the triangles.
-fn places(tube: &Tube<f64>, positions: &[[f32; 3]], numbers: &mut Numbers) -> Vec<[f64; 4]> {
+fn coords_on(tube: &Tube<f64>, positions: &[[f32; 3]], numbers: &mut Numbers) -> Vec<[f64; 4]> {
     let mut found = Vec::new();
     for corners in positions.as_chunks::<3>().0 {
         let [a, b, c] = corners.map(|p| ORIGIN + glam::Vec3::from(p).as_dvec3());
@@ -107,25 +118,25 @@ fn on_face(fit: &BendyFit, [v, w, radius, _]: [f64; 4]) -> (usize, [f64; 2]) {
         () if v.abs() >= w.abs() => 1 + usize::from(v < 0.0),
         () => 3 + usize::from(w < 0.0),
     };
-    let place = fit.faces.face_from_tube(face) * DVec3::new(v, w, radius);
-    (face, [place.x / place.z, place.y / place.z])
+    let on_face = fit.faces.face_from_tube(face) * DVec3::new(v, w, radius);
+    (face, [on_face.x / on_face.z, on_face.y / on_face.z])
 }
 
 /// True if a fit contains a point after each side of its bounds shrinks by the share `cut` of their size.
-fn holds(fit: &BendyFit, place: [f64; 4], cut: f64) -> bool {
-    let (face, at) = on_face(fit, place);
+fn contains(fit: &BendyFit, coords: [f64; 4], cut: f64) -> bool {
+    let (face, at) = on_face(fit, coords);
     let inside = |x: f64, [low, high]: Range| {
         let less = cut * (high - low) - 1e-12;
         (low + less..=high - less).contains(&x)
     };
     let bounds = fit.bounds[face];
     bounds.is_some_and(|[x, y]| inside(at[0], x) && inside(at[1], y))
-        && fit.t.is_some_and(|range| inside(place[3], range))
+        && fit.t.is_some_and(|range| inside(coords[3], range))
 }
 
 /// True if the drawn part of a face extends `texels` beyond a point, or to the rim of the tube.
-fn reaches(fit: &BendyFit, drawn_side: f64, place: [f64; 4], texels: f64) -> bool {
-    let (face, at) = on_face(fit, place);
+fn reaches(fit: &BendyFit, drawn_side: f64, coords: [f64; 4], texels: f64) -> bool {
+    let (face, at) = on_face(fit, coords);
     let DrawnFace { center, half } = fit.drawn(face, drawn_side);
     (0..2).all(|axis| {
         let margin = 2.0 * half[axis] * texels / SIDE - 1e-9;
@@ -141,75 +152,57 @@ const SIDE: f64 = 512.0;
 
 /// The filter reads two texels beyond a point. Those are drawn, at the edges of a fit and across edges of faces.
 #[test]
-fn the_filter_reaches_no_texel_that_is_left_out() {
+fn the_filter_reads_only_drawn_texels() {
     let (mut caught, mut cubes) = (0, 0);
     for (seed, light) in (0..).zip(lights()) {
-        let tube = Tube::new(&light).expect("checked before");
-        let positions = soup(&tube, seed);
-        let indices: Vec<u32> = (0..positions.len() as u32).collect();
-        let clusters = crate::clusters::of_opaque(&positions, &indices);
-        let light = (&tube, Faces::of(&light), super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0)));
-        let fit = BendyFit::new(light, ORIGIN, &clusters, Culling::ALL);
+        let (fit, coords) = fitted(&light, seed);
         // All directions that a receiver may have on the faces of a cube, and the casters.
         let all_around = (0..4000).map(|k| {
             let (radius, angle) = ((f64::from(k) / 4000.0).sqrt(), f64::from(k) * 2.4);
             [radius * angle.cos(), radius * angle.sin(), 1.0, 0.0]
         });
         let whole = BendyFit { bounds: [None; MAX_FACES], ..fit };
-        let places = places(&tube, &positions, &mut Numbers(seed));
-        let judged = || places.iter().map(|&p| (fit, p)).chain(all_around.clone().map(|p| (whole, p)));
-        for (fit, place) in judged() {
-            assert!(reaches(&fit, SIDE, place, MARGIN_TEXELS), "{place:?} of light {seed} in {fit:?}");
+        let judged = || coords.iter().map(|&p| (fit, p)).chain(all_around.clone().map(|p| (whole, p)));
+        for (fit, at) in judged() {
+            assert!(reaches(&fit, SIDE, at, MARGIN_TEXELS), "{at:?} of light {seed} in {fit:?}");
         }
         cubes += usize::from(fit.faces.is_cube());
         // Deliberate fault that the check must detect: no margin, as with infinitely many texels.
-        caught += usize::from(judged().any(|(fit, place)| !reaches(&fit, 1e9, place, MARGIN_TEXELS)));
+        caught += usize::from(judged().any(|(fit, at)| !reaches(&fit, 1e9, at, MARGIN_TEXELS)));
     }
     assert!(cubes > 5 && caught >= cubes, "a margin of 0 is seen in only {caught} of {cubes} lights");
 }
 
 #[test]
-fn a_fit_holds_all_that_casts_shadows() {
+fn a_fit_contains_all_casters() {
     let (mut checked, mut empty, mut cubes, mut caught) = (0, 0, 0, 0);
     for (seed, light) in (0..).zip(lights()) {
-        let tube = Tube::new(&light).expect("checked before");
-        let positions = soup(&tube, seed);
-        let indices: Vec<u32> = (0..positions.len() as u32).collect();
-        let clusters = crate::clusters::of_opaque(&positions, &indices);
-        let t_max = super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0));
-        let faces = Faces::of(&light);
-        let fit = BendyFit::new((&tube, faces, t_max), ORIGIN, &clusters, Culling::ALL);
-        let places = places(&tube, &positions, &mut Numbers(seed));
-        for &place in &places {
-            assert!(holds(&fit, place, 0.0), "{place:?} of light {seed} is not in {fit:?}");
+        let (fit, coords) = fitted(&light, seed);
+        for &at in &coords {
+            assert!(contains(&fit, at, 0.0), "{at:?} of light {seed} is not in {fit:?}");
         }
-        checked += places.len();
+        checked += coords.len();
         empty += usize::from(fit.t.is_none());
-        cubes += usize::from(faces.is_cube());
+        cubes += usize::from(fit.faces.is_cube());
         // Deliberate fault that the check must detect: bounds that are slightly too small.
-        caught += usize::from(places.iter().any(|&place| !holds(&fit, place, 0.05)));
+        caught += usize::from(coords.iter().any(|&at| !contains(&fit, at, 0.05)));
     }
-    println!("{checked} places, {empty} empty, {cubes} cubes, {caught} caught");
-    assert!(checked > 10_000 && empty > 0 && cubes > 5, "{checked} places, {empty} empty, {cubes} cubes");
+    assert!(checked > 10_000 && empty > 0 && cubes > 5, "{checked} points, {empty} empty, {cubes} cubes");
     assert!(caught > 15, "bounds that are too small are seen in only {caught} lights");
 }
 
 /// No light path comes back in through a side that the fit excludes. Deliberate fault that the check must detect: a
 /// rule that excludes every side misses the paths that do come back in.
 #[test]
-fn no_path_comes_in_where_none_is_said_to() {
+fn no_path_enters_through_an_excluded_side() {
     let mut numbers = Numbers(3);
     let (mut trusted, mut back) = (0, 0);
     for light in lights() {
         let tube = Tube::new(&light).expect("checked before");
         let pieces = pieces(&tube, tube.n as f64 + 1.0, ORIGIN);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
-            let through = tube.placement.world_from_tube(walk::point_at(
-                &tube,
-                numbers.next() * tube.n as f64,
-                0.0,
-                0.0,
-            ));
+            let through =
+                tube.placement.world_from_tube(walk::point_at(&tube, numbers.next() * tube.n as f64, 0.0, 0.0));
             let side = OpenSide { normal: axis, offset: axis.dot(through - ORIGIN) };
             let returns = (0..24).any(|k| {
                 let (v, w) = (0.97 * f64::from(k).cos(), 0.97 * f64::from(k).sin());
@@ -227,6 +220,5 @@ fn no_path_comes_in_where_none_is_said_to() {
             back += usize::from(returns);
         }
     }
-    println!("{trusted} sides are trusted, through {back} light comes back");
     assert!(trusted > 50 && back > 50, "{trusted} sides are trusted, through {back} light comes back");
 }

@@ -46,7 +46,6 @@ fn is_map_aligned(setup: &Setup, near: &[PixelInLight], picture: &Picture, texel
     };
     let here = misfits(0.0, 0.0);
     let beside = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].map(|(v, w)| misfits(v, w));
-    println!("{here} of {} differ, and a texel beside {beside:?}", near.len());
     beside.iter().all(|beside| here < *beside)
 }
 
@@ -100,20 +99,24 @@ fn mirror(map: &mut DepthMap, shape: &MapShape) {
     }
 }
 
-#[test]
-fn a_lookup_with_the_wrong_sign_of_w_is_seen() {
+/// Returns a setup, and the traced pixels, with which its map agrees.
+fn setup_and_traced_pixels() -> (Setup, Vec<(usize, bool)>) {
     let mut setup = setup(RESOLUTION);
     let walked = setup.traced_pixels(1.0, RESOLUTION);
     assert_eq!(differing(&walked, &setup.picture(Aov::Visibility)), 0);
+    (setup, walked)
+}
+
+#[test]
+fn a_lookup_with_the_wrong_sign_of_w_is_seen() {
+    let (mut setup, walked) = setup_and_traced_pixels();
     let fault = differing(&walked, &with_corrupt_map(&mut setup, mirror));
     assert!(fault > walked.len() / 50, "a sign error in w changes only {fault} pixels of {}", walked.len());
 }
 
 #[test]
 fn a_band_that_its_thread_skipped_is_seen() {
-    let mut setup = setup(RESOLUTION);
-    let walked = setup.traced_pixels(1.0, RESOLUTION);
-    assert_eq!(differing(&walked, &setup.picture(Aov::Visibility)), 0);
+    let (mut setup, walked) = setup_and_traced_pixels();
     for band in 0..RESOLUTION as usize / BAND {
         // Cleared but not drawn, or not even cleared.
         for left in [CLEARED, 0.0] {
@@ -122,7 +125,6 @@ fn a_band_that_its_thread_skipped_is_seen() {
                 change(map, |texels| texels[band * rows..][..rows].fill(left));
             };
             let fault = differing(&walked, &with_corrupt_map(&mut setup, skip));
-            println!("{fault} of {}", walked.len());
             assert!(fault > 0, "band {band} left at {left} goes unseen");
         }
     }

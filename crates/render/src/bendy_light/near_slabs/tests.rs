@@ -6,10 +6,10 @@ use std::sync::Arc;
 use glam::{DAffine3, DQuat, DVec3};
 use light::Light;
 use light::parameters::{CONE_ANGLE, ROTATION, TRANSLATION};
-use scene::{Material, Mesh, Node, Primitive, Scene};
+use scene::{Material, Primitive, Scene};
 
-use super::*;
-use crate::bendy_light::tests::{BACKENDS, alone, cube, light, renderer_of, view};
+use crate::bendy_light::tests::{BACKENDS, add_mesh, alone, cube, light, renderer_of, view};
+use crate::closed_components::TriangleComponent;
 use crate::clusters::{Clusters, TRIANGLES_PER_LEAF};
 use crate::{Aov, Backend, Picture, Renderer, WorkCounters};
 
@@ -44,13 +44,7 @@ fn scene() -> Scene {
     let mut scene = Scene { materials: vec![material], ..Scene::default() };
     let mut add = |primitive: Primitive, scale: DVec3, turn: f64, at: DVec3| {
         let rotation = DQuat::from_rotation_z(turn) * DQuat::from_rotation_y(0.7 * turn);
-        scene.nodes.push(Node {
-            name: String::new(),
-            parent: None,
-            parent_from_local: DAffine3::from_scale_rotation_translation(scale, rotation, at),
-            mesh: Some(scene.meshes.len()),
-        });
-        scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
+        add_mesh(&mut scene, primitive, DAffine3::from_scale_rotation_translation(scale, rotation, at));
     };
     add(cube(), DVec3::new(8.0, 0.1, 8.0), 0.0, DVec3::Y * -0.6);
     add(ball(), DVec3::splat(0.25), 0.4, AROUND_THE_EYE);
@@ -82,8 +76,8 @@ fn counters(renderer: &mut Renderer) -> WorkCounters {
     recording.counters
 }
 
-fn all_of(shell: TriangleComponent) -> impl Fn(&mut Clusters) {
-    move |clusters| clusters.leaves.iter_mut().for_each(|leaf| leaf.component = shell)
+fn all_of(component: TriangleComponent) -> impl Fn(&mut Clusters) {
+    move |clusters| clusters.leaves.iter_mut().for_each(|leaf| leaf.component = component)
 }
 
 /// Returns one light of each shape, shining down on the scene. One spotlight's map has one face, the other's five.
@@ -110,9 +104,8 @@ fn backs_of_closed_surfaces_show_nowhere() {
     inside.camera.translation = AROUND_THE_EYE;
     for backend in BACKENDS {
         let mut culled = with(backend, |_| ());
-        let shells: Vec<TriangleComponent> =
-            culled.gpu_scene().1.casters.clusters.leaves.iter().map(|leaf| leaf.component).collect();
-        assert!(shells.iter().all(|&shell| shell == TriangleComponent::Closed), "{shells:?}");
+        let leaves = &culled.gpu_scene().1.casters.clusters.leaves;
+        assert!(leaves.iter().all(|leaf| leaf.component == TriangleComponent::Closed), "{leaves:?}");
         let mut whole = with(backend, all_of(TriangleComponent::Open));
         // Deliberate fault that the check must detect: with front faces culled instead, light leaks into closed
         // components.
@@ -152,15 +145,9 @@ fn backs_are_not_drawn() {
 
 /// A light that begins inside a closed component hits its back faces.
 #[test]
-fn light_from_within_meets_backs() {
+fn light_from_within_hits_backs() {
     let mut around = scene();
-    around.nodes.push(Node {
-        name: String::new(),
-        parent: None,
-        parent_from_local: DAffine3::from_translation(light().get(TRANSLATION)),
-        mesh: Some(around.meshes.len()),
-    });
-    around.meshes.push(Mesh { name: String::new(), primitives: vec![ball()] });
+    add_mesh(&mut around, ball(), DAffine3::from_translation(light().get(TRANSLATION)));
     for backend in BACKENDS {
         let mut renderer = renderer_of(backend, &around);
         let leaks = lit(&shadows(&mut renderer, &light()));
@@ -178,18 +165,12 @@ fn light_from_within_meets_backs() {
 
 /// Triangles far from the light are not processed.
 #[test]
-fn what_lies_far_from_the_light_is_not_looked_at() {
+fn casters_far_from_the_light_are_not_processed() {
     let mut far = scene();
-    let count = far.meshes.len();
     for k in 0..40 {
-        far.nodes.push(Node {
-            name: String::new(),
-            parent: None,
-            parent_from_local: DAffine3::from_translation(DVec3::new(-6.0 + 0.3 * f64::from(k), 0.5, 6.0)),
-            mesh: Some(count),
-        });
+        let at = DVec3::new(-6.0 + 0.3 * f64::from(k), 0.5, 6.0);
+        add_mesh(&mut far, ball(), DAffine3::from_translation(at));
     }
-    far.meshes.push(Mesh { name: String::new(), primitives: vec![ball()] });
     for backend in BACKENDS {
         let near = counters(&mut renderer_of(backend, &scene()));
         let both = counters(&mut renderer_of(backend, &far));

@@ -18,10 +18,7 @@ struct Mapped {
 fn at(piece: &Curve<f64>, [u, v, w]: [f64; 3]) -> Mapped {
     let (v_hat, w_hat) = piece.rotation_minimizing(piece.u_hat(u));
     let vw = DVec2::new(v, w) * piece.radius(u);
-    Mapped {
-        q: piece.position(u) + v_hat * vw.x + w_hat * vw.y,
-        mapped: vw.extend(piece.radius(u)).extend(u),
-    }
+    Mapped { q: piece.position(u) + v_hat * vw.x + w_hat * vw.y, mapped: vw.extend(piece.radius(u)).extend(u) }
 }
 
 fn map(piece: &Curve<f64>, q: DVec3) -> DVec4 {
@@ -86,9 +83,8 @@ fn edges(tube: &Tube<f64>, factor: f64) -> Vec<(f64, bool)> {
 #[test]
 fn edges_called_straight_are_straight() {
     let tube = Tube::new(&light()).expect("valid");
-    let wrong = |edges: &[(f64, bool)]| {
-        edges.iter().filter(|(strays, safe)| *safe && *strays > TOLERANCE_TEXELS).count()
-    };
+    let wrong =
+        |edges: &[(f64, bool)]| edges.iter().filter(|(strays, safe)| *safe && *strays > TOLERANCE_TEXELS).count();
     let found = edges(&tube, 1.0);
     assert_eq!(wrong(&found), 0);
     // The bounds accept half of the edges that are straight by a factor of four.

@@ -13,31 +13,32 @@ use crate::{Aov, Backend, Picture};
 fn room_grows_until_a_map_fits() {
     let mut ample = Setup::new(Backend::Wgpu);
     let expected = ample.picture(Aov::Visibility);
-    let mut cramped = Setup::new(Backend::Wgpu);
-    cramped.renderer.bent_buffers().capacity =
-        Capacity { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
-    assert_eq!(cramped.picture(Aov::Visibility), expected);
-    let room = cramped.renderer.bent_buffers().capacity;
+    let cramped = || {
+        let mut setup = Setup::new(Backend::Wgpu);
+        setup.renderer.bent_buffers().capacity =
+            Capacity { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
+        setup
+    };
+    let mut setup = cramped();
+    assert_eq!(setup.picture(Aov::Visibility), expected);
+    let room = setup.renderer.bent_buffers().capacity;
     assert!(room.work > 1 && room.patches > 1 && room.split_vertices > 3, "{room:?}");
 
     // For a screen, the fit check comes with the picture.
-    let shown =
-        |setup: &mut Setup| setup.renderer.render_display(&view(Aov::Beauty), &setup.lights).expect("drawn");
-    let mut cramped = Setup::new(Backend::Wgpu);
-    cramped.renderer.bent_buffers().capacity =
-        Capacity { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
-    assert!(shown(&mut cramped) == shown(&mut ample));
-    let again = cramped.renderer.counts();
-    assert!(cramped.renderer.bent_buffers().capacity.work > 1 && again.shadow > 1, "{again:?}");
+    let shown = |setup: &mut Setup| setup.renderer.render_display(&view(Aov::Beauty), &setup.lights).expect("drawn");
+    let mut setup = cramped();
+    assert!(shown(&mut setup) == shown(&mut ample));
+    let again = setup.renderer.counts();
+    assert!(setup.renderer.bent_buffers().capacity.work > 1 && again.shadow > 1, "{again:?}");
     // Once the map fits, nothing is drawn twice.
-    shown(&mut cramped);
-    assert_eq!(cramped.renderer.counts().shadow, again.shadow);
+    shown(&mut setup);
+    assert_eq!(setup.renderer.counts().shadow, again.shadow);
 }
 
 /// A wireframe shows at each (v, w) the t of the first hit, and nothing where light hits nothing. A wireframe with
 /// inverted w does not.
 #[test]
-fn a_wireframe_shows_what_light_meets_first() {
+fn a_wireframe_shows_what_light_hits_first() {
     let mut setup = Setup::new(Backend::Wgpu);
     let drawn = setup.picture(Aov::Wireframe);
     let (width, height) = (drawn.width as usize, drawn.height as usize);
@@ -50,9 +51,8 @@ fn a_wireframe_shows_what_light_meets_first() {
         let from_middle = |at: usize, size: usize| ((2 * at + 1) as f64 - size as f64) / height as f64;
         let (v, w) = (from_middle(x, width), -w_sign * from_middle(y, height));
         let reaches = |t| walk::reaches(&setup.tube, &setup.triangles, t, v, w);
-        (v.hypot(w) < 0.95).then(|| {
-            if alpha == 0.0 { reaches(end) } else { reaches(t - margin) && !reaches((t + margin).min(end)) }
-        })
+        (v.hypot(w) < 0.95)
+            .then(|| if alpha == 0.0 { reaches(end) } else { reaches(t - margin) && !reaches((t + margin).min(end)) })
     };
     let pixels = || (1..height - 1).step_by(7).flat_map(|y| (1..width - 1).step_by(5).map(move |x| (x, y)));
     // A step of t marks an edge, where a pixel may show either side.
@@ -61,8 +61,7 @@ fn a_wireframe_shows_what_light_meets_first() {
         let around = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
         around.iter().all(|&(i, j)| (t_of(i, j) - t_of(x, y)).abs() < 0.05)
     };
-    let judged =
-        |w_sign| -> Vec<bool> { pixels().filter(smooth).filter_map(|(x, y)| agrees(x, y, w_sign)).collect() };
+    let judged = |w_sign| -> Vec<bool> { pixels().filter(smooth).filter_map(|(x, y)| agrees(x, y, w_sign)).collect() };
     let right = judged(1.0);
     assert!(right.len() > 300 && right.iter().all(|agrees| *agrees), "{right:?}");
     let fault = judged(-1.0).iter().filter(|agrees| !**agrees).count();
@@ -110,9 +109,6 @@ fn constants_are_the_models() {
         spelled(arc, &format!("vec2f({}, {}),", abscissa as f32, weight as f32));
     }
     for straight in 0..crate::bendy_light::Baked::MAX_UNROLLED_SEGMENTS {
-        spelled(
-            tube,
-            &format!("if BAKED_SEGMENTS > {straight}u {{ visit_segment(&search, {straight}u, q); }}"),
-        );
+        spelled(tube, &format!("if BAKED_SEGMENTS > {straight}u {{ visit_segment(&search, {straight}u, q); }}"));
     }
 }

@@ -30,7 +30,7 @@ type Changes = Vec<(Instant, Detail)>;
 
 /// Simulates a drag of that length under a load. The next picture is requested when the last is there, or at the next
 /// repaint.
-fn drag(choice: &mut DetailChoice, load: Load, (from, seconds): (Instant, u64), seed: u64) -> Changes {
+fn drag(choice: &mut DetailChoice, load: Load, from: Instant, seconds: u64, seed: u64) -> Changes {
     let (mut now, mut changes, mut state) = (from, Changes::new(), seed | 1);
     while now < from + Duration::from_secs(seconds) {
         // The random numbers need not be good, only the same each time.
@@ -52,8 +52,8 @@ fn interactions() -> impl Strategy<Value = Interaction> {
 }
 
 fn loads() -> impl Strategy<Value = Load> {
-    ([0.1..60.0, 0.1..120.0, 0.1..120.0], 0.0..0.05, any::<bool>())
-        .prop_map(|(parts, noise, drew_map)| Load { parts, noise, drew_map })
+    let parts = [0.1..60.0, 0.1..120.0, 0.1..120.0];
+    (parts, 0.0..0.05, any::<bool>()).prop_map(|(parts, noise, drew_map)| Load { parts, noise, drew_map })
 }
 
 /// Finds a fault in the changes of a drag.
@@ -74,7 +74,7 @@ proptest! {
         let mut choice = DetailChoice::new(interaction);
         let (mut now, mut changes) = (Instant::now(), Changes::new());
         for (load, seconds, rest) in phases {
-            changes.extend(drag(&mut choice, load, (now, seconds), seed));
+            changes.extend(drag(&mut choice, load, now, seconds, seed));
             now += Duration::from_secs(seconds + rest);
         }
         prop_assert_eq!(wrong(interaction, &changes), None);
@@ -96,8 +96,8 @@ proptest! {
         }
         let (mut choice, start) = (DetailChoice::new(interaction), Instant::now());
         let settle = Detail::ALL.len() as u64 + 4;
-        drag(&mut choice, load, (start, settle), seed);
-        let changes = drag(&mut choice, load, (start + Duration::from_secs(settle), 30), !seed);
+        drag(&mut choice, load, start, settle, seed);
+        let changes = drag(&mut choice, load, start + Duration::from_secs(settle), 30, !seed);
         prop_assert_eq!(&changes, &Changes::new());
         let (rests_at, typical) = (choice.detail(), |detail| load.at(detail, 0.5));
         let slow = typical(rests_at) > TARGET_TIME.mul_f64(1.0 + load.noise);
@@ -113,7 +113,7 @@ proptest! {
         let parts = load.parts.map(|part| part * 32.0 / most.max(32.0));
         let load = Load { parts, ..load };
         let mut choice = DetailChoice::new(interaction);
-        prop_assert_eq!(drag(&mut choice, load, (Instant::now(), 20), seed), Changes::new());
+        prop_assert_eq!(drag(&mut choice, load, Instant::now(), 20, seed), Changes::new());
     }
 }
 
@@ -125,15 +125,15 @@ fn it_follows_the_load_down_and_up() {
     let (mut choice, start) = (DetailChoice::new(all), Instant::now());
     let heavy = Load { parts: [10.0, 40.0, 70.0], noise: 0.05, drew_map: true };
     let light = Load { parts: [2.0, 4.0, 7.0], ..heavy };
-    let changes = drag(&mut choice, heavy, (start, 10), 1);
+    let changes = drag(&mut choice, heavy, start, 10, 1);
     assert_eq!(choice.detail(), Detail::ALL[5]);
     assert!(changes[0].0 - start < Duration::from_secs(1), "three pictures are enough");
-    drag(&mut choice, light, (start + Duration::from_secs(10), 10), 2);
+    drag(&mut choice, light, start + Duration::from_secs(10), 10, 2);
     assert_eq!(choice.detail(), Detail::FULL);
     // A moving camera draws no map, so coarser maps gain nothing.
     let orbit = Load { parts: [5.0, 0.0, 60.0], drew_map: false, ..heavy };
     let mut choice = DetailChoice::new(all);
-    let changes = drag(&mut choice, orbit, (start, 10), 3);
+    let changes = drag(&mut choice, orbit, start, 10, 3);
     assert!(!changes.is_empty());
     assert!(changes.iter().all(|(_, detail)| detail.shadow_map == MapScale::Full), "{changes:?}");
 }
@@ -141,8 +141,7 @@ fn it_follows_the_load_down_and_up() {
 /// Deliberate faults that the check must detect: a change with each picture, and a forbidden reduction.
 #[test]
 fn faults_are_seen() {
-    let (now, none) =
-        (Instant::now(), Interaction { shadow_map: Reduction::Full, resolution: Reduction::Full });
+    let (now, none) = (Instant::now(), Interaction { shadow_map: Reduction::Full, resolution: Reduction::Full });
     let hasty: Changes = (0..4).map(|k| (now + MS(300 * k), Detail::FULL)).collect();
     assert!(wrong(none, &hasty).is_some());
     assert!(wrong(none, &vec![(now, Detail::ALL[2])]).is_some());

@@ -33,7 +33,7 @@ struct View {
 
 /// Ends of the first client's pictures in that many seconds beside the others.
 fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
-    let (mut schedule, mut charges) = (Schedule::new(), Charges::default());
+    let (mut schedule, mut charges) = (Schedule::default(), Charges::default());
     let payers: Vec<Payer> =
         (0..clients.len()).map(|k| Payer::new(&format!("session {k}").into(), &k.to_string())).collect();
     let start = Instant::now();
@@ -44,15 +44,11 @@ fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
     let (mut views, mut now, mut ended) = (views.collect::<Vec<View>>(), start, Vec::new());
     while now < start + Duration::from_secs(seconds) {
         let asking: Vec<usize> = (0..views.len()).filter(|&view| views[view].asks_at <= now).collect();
-        let waiting: Vec<QueuedPicture> = asking
-            .iter()
-            .map(|&view| QueuedPicture {
-                urgency: Urgency::Moving,
-                charged: charges.of(&payers[views[view].client]),
-                last_turn_at: views[view].asks_at,
-                queued_at: views[view].asks_at,
-            })
-            .collect();
+        let queued = |&view: &usize| {
+            let charged = charges.of(&payers[views[view].client]);
+            QueuedPicture { charged, ..waits(Urgency::Moving, views[view].asks_at) }
+        };
+        let waiting: Vec<QueuedPicture> = asking.iter().map(queued).collect();
         match schedule.next(now, &waiting) {
             ScheduledTurn::Draw(index, turn) => {
                 let view = &mut views[asking[index]];
@@ -130,16 +126,15 @@ fn planted_unfair_charging_is_caught() {
 /// has been charged less, gets its next slice. Each slice is spent on a moving picture that the scene's thread has in
 /// progress.
 fn turns_before_interactive_view(pays: impl Fn(&mut Schedule, [Instant; 2])) -> usize {
-    let (mut schedule, mut charges) = (Schedule::new(), Charges::default());
+    let (mut schedule, mut charges) = (Schedule::default(), Charges::default());
     let [ada, bob] = ["ada", "bob"].map(|name| Payer::new(&name.into(), name));
     charges.charge(&bob, 0.01);
     let mut now = Instant::now();
     let mut turns = 0;
     // At first only the interactive view, until the watching one is owed a slice.
     for _ in 0..100 {
-        let waiting = [(Urgency::Moving, &ada), (Urgency::Watched, &bob)].map(|(urgency, payer)| {
-            QueuedPicture { urgency, charged: charges.of(payer), last_turn_at: now, queued_at: now }
-        });
+        let waiting = [(Urgency::Moving, &ada), (Urgency::Watched, &bob)]
+            .map(|(urgency, payer)| QueuedPicture { charged: charges.of(payer), ..waits(urgency, now) });
         let ScheduledTurn::Draw(index, turn) = schedule.next(now, &waiting) else { panic!("somebody waits") };
         let began = now;
         now += turn;
@@ -157,11 +152,8 @@ fn turns_before_interactive_view(pays: impl Fn(&mut Schedule, [Instant; 2])) -> 
 /// Deliberate fault that the test must detect: the time is deducted from the class of the drawn picture instead of the
 /// class that got the slice. Then the watching view gets slice after slice.
 #[test]
-fn who_got_a_turn_pays_for_it_whatever_was_drawn() {
-    assert_eq!(
-        turns_before_interactive_view(|schedule, span| schedule.record_turn(Urgency::Moving, span)),
-        1
-    );
+fn a_class_pays_for_its_turn_whatever_was_drawn() {
+    assert_eq!(turns_before_interactive_view(|schedule, span| schedule.record_turn(Urgency::Moving, span)), 1);
     let unpaid = turns_before_interactive_view(|schedule, span| {
         schedule.turn_class = Some(Urgency::Moving);
         schedule.record_turn(Urgency::Moving, span);

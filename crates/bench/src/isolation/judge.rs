@@ -1,4 +1,5 @@
-//! Judges a row: computes the victim's frame rate, gaps and answer times, and tests them against bounds.
+//! Judges a row: computes frame rate, gaps and answer times of the victim, the client whose loss is measured, and tests
+//! them against bounds.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -65,13 +66,14 @@ pub struct VictimPace {
     pub frames_per_second: f64,
     /// 95th percentile of the gaps between two such frames.
     pub p95_gap_ms: f64,
-    /// Longest gap between two such frames, even if the gap began before the period or ended after it.
+    /// Longest gap between two such frames. A gap may end after the period of measurement, but the part before it does
+    /// not count.
     pub longest_gap_ms: f64,
     /// Number of updates per second that the victim sent.
     pub updates_per_second: f64,
     /// Number of drags of features by the victim.
     pub own_drags: usize,
-    /// Time from sending a drag of a feature to its answer, or to the end of the period if there was none.
+    /// Time from sending a drag of a feature to its answer, or to the time at which the benchmark gave up waiting.
     pub own_drag_ms: Quantiles,
 }
 
@@ -96,7 +98,7 @@ impl Timeline {
         let seconds = to.saturating_duration_since(from).as_secs_f64().max(f64::MIN_POSITIVE);
         let shown = self.new_frame_times();
         let gaps: Vec<f64> = gaps(&shown, window).into_iter().map(ms).collect();
-        let asked: Vec<f64> = (self.timed_drags.iter())
+        let drags_ms: Vec<f64> = (self.timed_drags.iter())
             .filter(|ask| is_within(&ask.sent))
             .map(|ask| ms(ask.answered.unwrap_or(followed_to).saturating_duration_since(ask.sent)))
             .collect();
@@ -106,13 +108,13 @@ impl Timeline {
             p95_gap_ms: Quantiles::of(gaps.iter().copied()).p95,
             longest_gap_ms: gaps.into_iter().fold(0.0, f64::max),
             updates_per_second: a_second(&self.sent),
-            own_drags: asked.len(),
-            own_drag_ms: Quantiles::of(asked),
+            own_drags: drags_ms.len(),
+            own_drag_ms: Quantiles::of(drags_ms),
         }
     }
 }
 
-/// Returns the gaps between frames that overlap the period, up to the first frame after it.
+/// Returns the gaps between frames that overlap the period of measurement, up to the first frame after it.
 fn gaps(shown: &[Instant], window: MeasuredWindow) -> Vec<Duration> {
     let MeasuredWindow { from, to, followed_to } = window;
     let first = shown.partition_point(|at| *at < from);
@@ -216,9 +218,9 @@ mod tests {
 
     const FRAME: Duration = Duration::from_millis(20);
 
-    /// Simulates a victim that sends an update every 20 ms, for the two seconds of the period and for a second before
-    /// and after it, and sees each update 5 ms later. `change` gets the number of an update and returns the live
-    /// revision of its frame, or `None` if the frame does not arrive.
+    /// Simulates a victim that sends an update every 20 ms, during a period of measurement of two seconds and for a
+    /// second before and after it. It sees each update 5 ms later. `change` gets the number of an update and returns
+    /// the live revision of its frame, or `None` if the frame does not arrive.
     fn victim(change: impl Fn(u64) -> Option<u32>) -> (Timeline, MeasuredWindow) {
         let began = Instant::now();
         let at = |update: u64| began + FRAME * update as u32;
@@ -272,10 +274,7 @@ mod tests {
     #[test]
     fn frames_that_show_nothing_of_the_victims_drag_do_not_count() {
         let of_another = measured(pace(|_| Some(1)));
-        assert_eq!(
-            (of_another.share(), of_another.missed()),
-            (0.0, vec![MissedBound::Share, MissedBound::Gap])
-        );
+        assert_eq!((of_another.share(), of_another.missed()), (0.0, vec![MissedBound::Share, MissedBound::Gap]));
         let again = measured(pace(|update| usual(update - update % 4)));
         assert!((again.share() - 0.25).abs() < 0.02, "{}", again.share());
         assert!(again.missed().contains(&MissedBound::Share));
@@ -288,10 +287,8 @@ mod tests {
         assert_eq!(measured(every(8)).missed(), [MissedBound::Share]);
         let shared = JudgedRow { uses_renderer: true, ..measured(every(2)) };
         assert_eq!(shared.missed(), []);
-        let shared = JudgedRow {
-            uses_renderer: true,
-            ..measured(pace(|update| usual(update).filter(|_| update.is_multiple_of(3))))
-        };
+        let every_third = pace(|update| usual(update).filter(|_| update.is_multiple_of(3)));
+        let shared = JudgedRow { uses_renderer: true, ..measured(every_third) };
         assert_eq!(shared.missed(), [MissedBound::Share]);
     }
 
@@ -320,18 +317,14 @@ mod tests {
             measured(timeline.pace(window)).missed()
         };
         assert_eq!(with(&|timeline| timeline.sent.truncate(100)), [MissedBound::Updates]);
-        let late = |timeline: &mut Timeline| {
-            for ask in &mut timeline.timed_drags {
-                ask.answered = Some(ask.sent + 3 * FRAME);
-            }
-        };
-        assert_eq!(with(&late), [MissedBound::OwnDrag]);
-        let never = |timeline: &mut Timeline| {
-            for ask in &mut timeline.timed_drags {
-                ask.answered = None;
-            }
-        };
-        assert_eq!(with(&never), [MissedBound::OwnDrag]);
+        let late = |sent: Instant| Some(sent + 3 * FRAME);
+        let never = |_: Instant| None;
+        for answered in [late, never] {
+            let answer = |timeline: &mut Timeline| {
+                timeline.timed_drags.iter_mut().for_each(|drag| drag.answered = answered(drag.sent));
+            };
+            assert_eq!(with(&answer), [MissedBound::OwnDrag]);
+        }
         assert_eq!(with(&|timeline| timeline.timed_drags.clear()), [MissedBound::OwnDrag]);
 
         let usual = pace(usual);

@@ -20,7 +20,7 @@ impl Room {
         new: &[Arc<Record>],
     ) -> Result<Option<Reverted>, ServerError> {
         let (request, actor_id) = (request.clone(), actor_id.to_owned());
-        let found = self.with_past_records(new.to_vec(), move |session, find_record| {
+        let found = self.with_records(new.to_vec(), move |session, find_record| {
             session.find_revert(&request, &actor_id, find_record)
         });
         Ok(found.await??)
@@ -28,31 +28,30 @@ impl Room {
 
     /// Sends a client the steps that its undo and redo would revert. Everything done before is committed.
     pub(super) async fn send_history(&mut self, id: ClientId) {
-        let Some(actor_id) = self.clients.get(&id).map(|client| client.principal.actor.id.clone()) else {
-            return;
-        };
-        let looked = self.with_past_records(Vec::new(), move |session, find_record| {
+        let Some(client) = self.clients.get(&id) else { return };
+        let actor_id = client.principal.actor.id.clone();
+        let history = self.with_records(Vec::new(), move |session, find_record| {
             let step = |request| history_step(session, &request, &actor_id, find_record);
-            let both = |of: fn(UndoScope) -> EditRequest| HistorySteps {
-                mine: step(of(UndoScope::Mine)),
-                session: step(of(UndoScope::Session)),
+            let steps = |request: fn(UndoScope) -> EditRequest| HistorySteps {
+                mine: step(request(UndoScope::Mine)),
+                session: step(request(UndoScope::Session)),
             };
-            History { seq: session.seq(), undo: both(EditRequest::Undo), redo: both(EditRequest::Redo) }
+            History { seq: session.seq(), undo: steps(EditRequest::Undo), redo: steps(EditRequest::Redo) }
         });
-        match looked.await {
+        match history.await {
             Ok(history) => self.outboxes.send(id, &ServerMessage::History(Box::new(history))),
             Err(error) => self.outboxes.send_error(id, &error),
         }
     }
 
-    /// Runs a question that needs past records. If a record cannot be read, returns that error.
-    async fn with_past_records<T: Send + 'static>(
+    /// Runs a question that needs records of the log. If a record cannot be read, returns that error.
+    async fn with_records<T: Send + 'static>(
         &self,
         new: Vec<Arc<Record>>,
         question: impl FnOnce(&Session, FindRecord) -> T + Send + 'static,
     ) -> Result<T, ServerError> {
         let (session, name) = (self.session.clone(), Arc::clone(&self.name));
-        let answer = self.backend.storage.read(move |store| {
+        let answer = self.services.storage.read(move |store| {
             let failed = RefCell::new(None);
             let find_record = |seq| {
                 if let Some(record) = new.iter().find(|record| record.seq == seq) {
@@ -79,8 +78,8 @@ fn history_step(
     actor_id: &str,
     find_record: FindRecord,
 ) -> Option<HistoryStep> {
-    let Reverted { target, changes, passed, .. } =
-        session.find_revert(request, actor_id, find_record).ok().flatten()?;
+    let reverted = session.find_revert(request, actor_id, find_record).ok().flatten()?;
+    let Reverted { target, changes, passed, .. } = reverted;
     let done: Vec<Change> = match request {
         EditRequest::Undo(_) => changes.iter().rev().map(Change::inverse).collect(),
         _ => changes,
@@ -90,10 +89,5 @@ fn history_step(
         Action::Undo { target: step, .. } => find_record(step)?.actor,
         _ => record.actor,
     };
-    Some(HistoryStep {
-        seq: target,
-        actor: (&by).into(),
-        what: describe_changes(&done, session.document()),
-        passed,
-    })
+    Some(HistoryStep { seq: target, actor: (&by).into(), what: describe_changes(&done, session.document()), passed })
 }

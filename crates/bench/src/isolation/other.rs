@@ -3,14 +3,13 @@
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::ops::{Deref, DerefMut};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::row::NeighbourRow;
 use crate::{BenchError, Client, ServerAddress};
 
 /// Action of the other client in a row. It starts threads that go on until the other client leaves, and returns.
@@ -47,7 +46,8 @@ pub struct OtherClientCounts {
 #[derive(Clone, Debug)]
 pub(super) struct OtherClient {
     pub address: ServerAddress,
-    pub row: NeighbourRow,
+    /// Name of the row, and of its first session.
+    row_name: &'static str,
     /// Process id of the server.
     pub pid: u32,
     /// Duration of the measured period.
@@ -59,14 +59,16 @@ pub(super) struct OtherClient {
 #[derive(Debug, Default)]
 struct Shared {
     is_over: AtomicBool,
-    done: AtomicU64,
-    answered: AtomicU64,
-    refused: AtomicU64,
-    refusal: Mutex<Option<String>>,
+    counts: Mutex<OtherClientCounts>,
     /// Connections that are closed when the client leaves, so that no thread goes on waiting for an answer.
     connections: Mutex<Vec<TcpStream>>,
     threads: Mutex<Vec<JoinHandle<()>>>,
     writes: Mutex<Option<Writes>>,
+}
+
+/// Locks a value, even after a panic of another thread.
+pub(super) fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
+    value.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Bytes that the server wrote to disk per edit.
@@ -106,32 +108,9 @@ impl Drop for TrackedClient {
     }
 }
 
-/// Status and beginning of a response.
-pub(super) struct Answer {
-    pub status: u16,
-    /// First bytes of the response, including its head.
-    start: String,
-}
-
-impl Answer {
-    fn refusal(&self) -> Result<(), BenchError> {
-        if (200..300).contains(&self.status) {
-            return Ok(());
-        }
-        let body = self.start.split_once("\r\n\r\n").map_or("", |(_, body)| body);
-        Err(BenchError::Refused(format!("{} {body}", self.status)))
-    }
-}
-
 impl OtherClient {
-    pub fn new(
-        address: ServerAddress,
-        row: NeighbourRow,
-        pid: u32,
-        span: Duration,
-        many_actors: bool,
-    ) -> Self {
-        Self { address, row, pid, span, many_actors, shared: Arc::default() }
+    pub fn new(address: ServerAddress, row_name: &'static str, pid: u32, span: Duration, many_actors: bool) -> Self {
+        Self { address, row_name, pid, span, many_actors, shared: Arc::default() }
     }
 
     /// Returns the actor of a socket, by the socket's number.
@@ -142,8 +121,8 @@ impl OtherClient {
     /// Returns the session of a socket, by the socket's number. A session has `CLIENTS` sockets.
     pub fn session(&self, socket: usize) -> String {
         match socket / CLIENTS {
-            0 => self.row.name().into(),
-            more => format!("{}-{more}", self.row.name()),
+            0 => self.row_name.into(),
+            more => format!("{}-{more}", self.row_name),
         }
     }
 
@@ -162,7 +141,7 @@ impl OtherClient {
     /// Opens a connection that is closed when the client leaves.
     pub fn tcp(&self) -> Result<TcpStream, BenchError> {
         let tcp = TcpStream::connect(&self.address.host)?;
-        let mut connections = self.connections();
+        let mut connections = locked(&self.shared.connections);
         // Connections that have ended need not be closed.
         if connections.len() > PRUNE_CONNECTIONS_ABOVE {
             connections.retain(|connection| connection.peer_addr().is_ok());
@@ -171,12 +150,20 @@ impl OtherClient {
         Ok(tcp)
     }
 
-    fn connections(&self) -> std::sync::MutexGuard<'_, Vec<TcpStream>> {
-        self.shared.connections.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     pub fn is_over(&self) -> bool {
         self.shared.is_over.load(Ordering::Relaxed)
+    }
+
+    /// Waits until the client leaves, for at most `time`.
+    pub fn wait(&self, time: Duration) {
+        let began = Instant::now();
+        while began.elapsed() < time && !self.is_over() {
+            thread::sleep(POLL_INTERVAL);
+        }
+    }
+
+    pub fn wait_until_over(&self) {
+        self.wait(Duration::MAX);
     }
 
     /// Starts a thread that repeats `act` until the client leaves. Errors are counted as refusals.
@@ -193,58 +180,56 @@ impl OtherClient {
                 }
             }
         });
-        self.shared.threads.lock().unwrap_or_else(PoisonError::into_inner).push(thread);
+        locked(&self.shared.threads).push(thread);
     }
 
     /// Counts a refusal, and pauses before the next try.
     pub fn count_refusal(&self, acted: Result<(), BenchError>) {
         let Err(why) = acted else { return };
-        self.shared.refused.fetch_add(1, Ordering::Relaxed);
-        self.shared.refusal.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why.to_string());
+        let mut counts = locked(&self.shared.counts);
+        counts.refused += 1;
+        counts.refusal.get_or_insert(why.to_string());
+        drop(counts);
         thread::sleep(AFTER_REFUSAL);
     }
 
     /// Counts actions or requests.
     pub fn count_done(&self, count: u64) {
-        self.shared.done.fetch_add(count, Ordering::Relaxed);
+        locked(&self.shared.counts).done += count;
     }
 
     /// Counts answers.
     pub fn count_answered(&self, count: u64) {
-        self.shared.answered.fetch_add(count, Ordering::Relaxed);
+        locked(&self.shared.counts).answered += count;
     }
 
     pub fn counts(&self) -> OtherClientCounts {
-        OtherClientCounts {
-            done: self.shared.done.load(Ordering::Relaxed),
-            answered: self.shared.answered.load(Ordering::Relaxed),
-            refused: self.shared.refused.load(Ordering::Relaxed),
-            refusal: self.shared.refusal.lock().unwrap_or_else(PoisonError::into_inner).clone(),
-        }
+        locked(&self.shared.counts).clone()
     }
 
     pub fn keep_writes(&self, writes: Writes) {
-        *self.shared.writes.lock().unwrap_or_else(PoisonError::into_inner) = Some(writes);
+        *locked(&self.shared.writes) = Some(writes);
     }
 
     pub fn writes(&self) -> Option<Writes> {
-        *self.shared.writes.lock().unwrap_or_else(PoisonError::into_inner)
+        *locked(&self.shared.writes)
     }
 
     /// Closes all connections and waits for the threads.
     pub fn leave(&self) {
         self.shared.is_over.store(true, Ordering::Relaxed);
-        let mut threads =
-            std::mem::take(&mut *self.shared.threads.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut threads = std::mem::take(&mut *locked(&self.shared.threads));
         // The next round closes a connection that was just being opened.
         while !threads.is_empty() {
-            for connection in self.connections().drain(..) {
-                let _ = connection.shutdown(Shutdown::Both);
-            }
+            self.close_connections();
             threads.retain(|thread| !thread.is_finished());
             thread::sleep(Duration::from_millis(20));
         }
-        for connection in self.connections().drain(..) {
+        self.close_connections();
+    }
+
+    fn close_connections(&self) {
+        for connection in locked(&self.shared.connections).drain(..) {
             let _ = connection.shutdown(Shutdown::Both);
         }
     }
@@ -254,7 +239,7 @@ impl OtherClient {
     pub fn ask(&self, method: &str, path: &str, body: &[u8]) -> Result<(), BenchError> {
         self.count_done(1);
         let mut tcp = self.send_request(method, path, body)?;
-        self.read_answer(&mut tcp)?.refusal()?;
+        self.read_answer(&mut tcp)?;
         self.count_answered(1);
         Ok(())
     }
@@ -278,7 +263,8 @@ impl OtherClient {
         )
     }
 
-    fn read_answer(&self, tcp: &mut TcpStream) -> Result<Answer, BenchError> {
+    /// Reads a response; an error if the server refuses.
+    fn read_answer(&self, tcp: &mut TcpStream) -> Result<(), BenchError> {
         tcp.set_read_timeout(Some(POLL_INTERVAL))?;
         let (mut start, mut bytes) = (Vec::new(), vec![0; 1 << 16]);
         while !self.is_over() {
@@ -294,7 +280,11 @@ impl OtherClient {
         }
         let start = String::from_utf8_lossy(&start).into_owned();
         let status = start.split(' ').nth(1).and_then(|status| status.parse().ok());
-        let status = status.ok_or_else(|| BenchError::Refused("it closed the connection".into()))?;
-        Ok(Answer { status, start })
+        let status: u16 = status.ok_or_else(|| BenchError::Refused("it closed the connection".into()))?;
+        if (200..300).contains(&status) {
+            return Ok(());
+        }
+        let body = start.split_once("\r\n\r\n").map_or("", |(_, body)| body);
+        Err(BenchError::Refused(format!("{status} {body}")))
     }
 }

@@ -3,10 +3,9 @@
 use std::time::Duration;
 
 use protocol::{ClientMessage, Command, ServerMessage};
-use serde_json::json;
 
 use super::other::{ClientAction, OtherClient, POLL_INTERVAL};
-use super::setup::{add_light, document, edit, make_session, pin, rename};
+use super::setup::{add_light, edit, first_light, make_session, pin, rebend, rename};
 use super::victim;
 use crate::{BenchError, Client, Incoming};
 
@@ -25,10 +24,8 @@ const GIVEN_UP_AFTER: Duration = Duration::from_millis(50);
 pub(super) fn cancel_slow_drags(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let (address, session, actor) = (&other.address, other.session(0), other.actor(0));
     make_session(address, &session, "demo:vases")?;
-    let light = document(address, &session)?["lights"][0]["id"].as_u64().unwrap_or_default();
-    let straight = json!({"type": "straightenLight", "light": light});
-    let bent = json!({"type": "bendLight", "light": light, "segments": SEGMENTS});
-    edit(address, &session, &actor, &[straight, bent])?;
+    let light = first_light(address, &session)?;
+    edit(address, &session, &actor, &rebend(light, SEGMENTS))?;
     let draggable = pin(address, &session, &actor, light, PINS)?;
     Ok(Box::new(move |other| {
         other.spawn(move |other| {
@@ -47,17 +44,14 @@ pub(super) fn cancel_slow_drags(other: &OtherClient) -> Result<ClientAction, Ben
 }
 
 fn give_up(client: &mut Client, light: u64, n: usize, command: Command) -> Result<(), BenchError> {
-    let (gesture, base_seq) = (format!("given-up-{n}"), client.welcome.seq);
-    client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
-    client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update: 1, command })?;
+    let gesture = format!("given-up-{n}");
+    client.begin_gesture(&gesture, light)?;
+    client.update_gesture(&gesture, 1, command)?;
     std::thread::sleep(GIVEN_UP_AFTER);
-    client.send(&ClientMessage::GestureCancel { gesture: gesture.clone() })?;
+    client.cancel_gesture(&gesture)?;
     while let Some(incoming) = client.receive(Duration::from_millis(1))? {
-        if let Incoming::Message(message) = incoming
-            && let ServerMessage::GestureState(state) = *message
-            && let Some(problem) = state.status.problem()
-        {
-            return Err(BenchError::Refused(problem.message.clone()));
+        if let Some(ServerMessage::GestureState(state)) = incoming.into_message() {
+            BenchError::check(state.status.problem())?;
         }
     }
     Ok(())
@@ -97,12 +91,12 @@ fn repeat_edits(
             if other.is_over() {
                 return Ok(());
             }
-            let Some(Incoming::Message(message)) = client.receive(POLL_INTERVAL)? else { continue };
-            let ServerMessage::EditResult(result) = *message else { continue };
+            let message = client.receive(POLL_INTERVAL)?.and_then(Incoming::into_message);
+            let Some(ServerMessage::EditResult(result)) = message else { continue };
             if result.op_id == op_id {
-                match result.outcome.problem() {
-                    None => other.count_answered(1),
-                    Some(problem) => other.count_refusal(Err(BenchError::Refused(problem.message.clone()))),
+                match BenchError::check(result.outcome.problem()) {
+                    Ok(()) => other.count_answered(1),
+                    refused => other.count_refusal(refused),
                 }
                 break;
             }

@@ -2,9 +2,9 @@
 
 use glam::{DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, DECAY, HEIGHT, RANGE, ROTATION, TRANSLATION, WIDTH};
-use light::{Cone, Decay, Light, LightCoords, Omni, Parallel, Transform, Tube, bend};
+use light::{Cone, Decay, Light, LightCoords, Omni, Parallel, Transform};
 
-use crate::support::profile;
+use crate::support::{bent_tube, profile, root_at};
 
 fn spot(cone_angle: f64) -> Light {
     let rotation = DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68);
@@ -15,19 +15,19 @@ fn spot(cone_angle: f64) -> Light {
 
 /// Positions of size 10 round by some 1e-15 of that, which is large in radii of a narrow cone.
 #[test]
-fn a_cone_and_its_tube_give_the_same_place() {
+fn a_cone_and_its_tube_give_the_same_light_coordinates() {
     for cone_angle in [0.01, 1.0, 35.0, 80.0] {
         let spot = spot(cone_angle);
         let cone = Cone::new(&spot).expect("valid");
-        let tube = Tube::new(&bend(&spot, 3).expect("valid")).expect("valid");
+        let tube = bent_tube(&spot, 3);
         let tan_outer = cone_angle.to_radians().tan();
         for (v, w, depth) in [(0.0, 0.0, 1.0), (0.3, -0.5, 4.0), (-0.6, 0.79, 11.9)] {
             let local = DVec3::new(v * tan_outer, w * tan_outer, -1.0) * depth;
             let from_source = spot.transform().rotation.normalize() * local;
             let straight = cone.locate(from_source).expect("inside");
             let world = spot.transform().translation + from_source;
-            let root = tube.nearest_root(tube.placement.tube_from_world(world)).expect("inside");
-            let bent = tube.place_at(&root);
+            let root = root_at(&tube, world).expect("inside");
+            let bent = tube.coords_at(&root);
             let apart = |a: &LightCoords, b: &LightCoords| {
                 let across = (a.v - b.v).abs() + (a.w - b.w).abs();
                 across * tan_outer + (a.t - b.t).abs() + (a.s - b.s).abs() + a.direction.distance(b.direction)
@@ -45,11 +45,10 @@ fn a_cone_and_its_tube_give_the_same_place() {
 
 /// Each face of the cube about an omni light is the square in a spotlight of 45 degrees with the same direction.
 #[test]
-fn an_omni_lights_faces_are_spotlights_of_45_degrees() {
+fn faces_of_an_omni_light_are_spotlights_of_45_degrees() {
     use std::f64::consts::{FRAC_PI_2, PI};
     let placed = spot(45.0);
-    let omni =
-        Omni::new(&Light::omni().with_transform(placed.transform()).with(RANGE, Some(8.0))).expect("valid");
+    let omni = Omni::new(&Light::omni().with_transform(placed.transform()).with(RANGE, Some(8.0))).expect("valid");
     let looks = [
         DQuat::IDENTITY,
         DQuat::from_rotation_y(FRAC_PI_2),
@@ -63,8 +62,7 @@ fn an_omni_lights_faces_are_spotlights_of_45_degrees() {
         let cone = Cone::new(&placed.clone().with(ROTATION, turned).with(RANGE, None)).expect("valid");
         for (v, w, depth) in [(0.0, 0.0, 1.0), (0.3, -0.5, 4.0), (-0.6, 0.79, 5.0)] {
             let from_source = turned * (DVec3::new(v, w, -1.0) * depth);
-            let (one, other) =
-                (omni.locate(from_source).expect("inside"), cone.locate(from_source).expect("inside"));
+            let (one, other) = (omni.locate(from_source).expect("inside"), cone.locate(from_source).expect("inside"));
             let apart = (one.v - other.v).abs() + (one.w - other.w).abs() + (one.s - other.s).abs();
             assert!(apart < 1e-14 && one.direction.distance(other.direction) < 1e-15, "{one:?} {other:?}");
             assert_eq!(one.t, from_source.length() / 8.0);
@@ -92,8 +90,7 @@ fn a_directional_light_is_a_spotlight_far_away() {
         let one = window.locate(position).expect("inside");
         let other = cone.locate(position - cone.translation).expect("inside");
         // Rays of the spotlight meet at an angle of 2 / distance. Positions of its size round by 1e-7 of a radius.
-        let apart =
-            (one.v - other.v).abs() + (one.w - other.w).abs() + one.direction.distance(other.direction);
+        let apart = (one.v - other.v).abs() + (one.w - other.w).abs() + one.direction.distance(other.direction);
         assert!(apart < 1e-6, "{one:?} {other:?}");
         assert_eq!((one.t, one.s), (0.0, 0.0));
     }
@@ -102,14 +99,14 @@ fn a_directional_light_is_a_spotlight_far_away() {
     }
     // An unbounded side contains everything, wherever the light is.
     let endless = Parallel::new(&sun.with(TRANSLATION, DVec3::splat(1e300))).expect("valid");
-    let place = endless.locate(DVec3::new(1e9, -4.0, 1e5)).expect("everywhere");
-    assert_eq!((place.v, place.w), (0.0, 0.0));
+    let coords = endless.locate(DVec3::new(1e9, -4.0, 1e5)).expect("everywhere");
+    assert_eq!((coords.v, coords.w), (0.0, 0.0));
 }
 
 /// The test is by tangents: with small angles `1 - cos` is half the angle's square. So half-way from the inner to the
 /// outer square the curve is at one half, in a cone of any size.
 #[test]
-fn the_profile_of_a_narrow_cone_is_that_of_any() {
+fn the_profile_does_not_depend_on_the_cone_angle() {
     for cone_angle in [1e-100, 1e-9, 1e-6, 1e-3] {
         let narrow = profile(cone_angle, 0.2);
         let half_way = f64::midpoint(0.64, 1.0);

@@ -49,8 +49,7 @@ pub(super) fn memory(pid: u32) -> Result<Memory, BenchError> {
 /// Resets the peak of the memory.
 pub(super) fn reset_peak(pid: u32) -> Result<(), BenchError> {
     // 5 resets only the peak.
-    std::fs::write(path(pid, "clear_refs"), "5")
-        .map_err(|error| unreadable(pid, "clear_refs", error.to_string()))
+    std::fs::write(path(pid, "clear_refs"), "5").map_err(|error| unreadable(pid, "clear_refs", error.to_string()))
 }
 
 /// Returns the CPU seconds of all threads since the process began.
@@ -65,8 +64,7 @@ pub(super) fn cpu_s(pid: u32) -> Result<f64, BenchError> {
 pub(super) fn written_bytes(pid: u32) -> Result<u64, BenchError> {
     let io = read(pid, "io")?;
     let line = io.lines().find_map(|line| line.strip_prefix("write_bytes: "));
-    line.and_then(|number| number.parse().ok())
-        .ok_or_else(|| unreadable(pid, "io", "it has no write_bytes".into()))
+    line.and_then(|number| number.parse().ok()).ok_or_else(|| unreadable(pid, "io", "it has no write_bytes".into()))
 }
 
 /// Returns the threads that use the CPU during the next second, the busiest first.
@@ -108,8 +106,7 @@ pub(super) fn wait_until_at_rest(pid: u32, within: Duration) -> Result<(), Bench
 type Threads = BTreeMap<u64, (String, f64)>;
 
 fn thread_ticks(pid: u32) -> Result<Threads, BenchError> {
-    let folder =
-        std::fs::read_dir(path(pid, "task")).map_err(|error| unreadable(pid, "task", error.to_string()))?;
+    let folder = std::fs::read_dir(path(pid, "task")).map_err(|error| unreadable(pid, "task", error.to_string()))?;
     let ids = folder.flatten().filter_map(|entry| entry.file_name().to_str()?.parse::<u64>().ok());
     // A thread that ends meanwhile is left out.
     let thread = |id: u64| {
@@ -154,8 +151,7 @@ mod tests {
     fn a_thread_is_busy_that_takes_more_than_a_tick_or_two() {
         let thread = |id: u64, name: &str, ticks: f64| (id, (name.to_owned(), ticks));
         let before = Threads::from([thread(1, "rests", 500.0), thread(2, "solves", 500.0)]);
-        let after =
-            Threads::from([thread(1, "rests", 501.0), thread(2, "solves", 600.0), thread(3, "new", 50.0)]);
+        let after = Threads::from([thread(1, "rests", 501.0), thread(2, "solves", 600.0), thread(3, "new", 50.0)]);
         let named: Vec<_> = busy(&before, &after, 1.0).into_iter().map(|t| (t.name, t.share)).collect();
         assert_eq!(named, [("solves".to_owned(), 1.0), ("new".to_owned(), 0.5)]);
     }

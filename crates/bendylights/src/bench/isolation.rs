@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use ::bench::neighbours::{self, NeighbourRow, ROWS};
+use ::bench::isolation::{self, IsolationRow, ROWS};
 use cli::Size;
 
-use super::measure;
+use super::{measure, this_program};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::usage::whole_number_parser;
@@ -53,7 +53,7 @@ Examples:
   bendylights bench neighbours --row large-views --row solves --rest-s 5")]
 pub struct Args {
     /// Only this row; may be given more than once
-    #[arg(long, value_name = "NAME", value_parser = ROWS.map(NeighbourRow::name))]
+    #[arg(long, value_name = "NAME", value_parser = ROWS.map(|row| row.name))]
     row: Vec<String>,
     /// Seconds that the victim is measured: alone, with the other client, alone again
     #[arg(long, default_value_t = 15, value_name = "S", value_parser = whole_number_parser(1..=600_u64))]
@@ -78,11 +78,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let this = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let program = args.program.as_deref().unwrap_or(&this);
-    let is_wanted =
-        |row: &NeighbourRow| args.row.is_empty() || args.row.iter().any(|name| name == row.name());
-    let options = neighbours::NeighbourOptions {
+    let program = args.program.clone().map_or_else(this_program, Ok)?;
+    let is_wanted = |row: &IsolationRow| args.row.is_empty() || args.row.iter().any(|name| name == row.name);
+    let options = isolation::IsolationOptions {
         rows: ROWS.into_iter().filter(is_wanted).collect(),
         size: [args.size.width, args.size.height],
         time: Duration::from_secs(args.seconds),
@@ -90,7 +88,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         many_actors: args.many_actors,
         backend: args.backend.wanted(),
     };
-    let report = measure(args.output.as_deref(), |progress| neighbours::run(program, &options, progress))?;
+    let report = measure(args.output.as_deref(), |progress| isolation::run(&program, &options, progress))?;
     let rows = report.missed();
     if rows.is_empty() { Ok(()) } else { Err(Error::BoundsMissed { rows: rows.join(", ") }) }
 }

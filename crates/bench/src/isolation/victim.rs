@@ -1,15 +1,16 @@
 //! The victim. It drags a control point in a view of its own, and at intervals a feature of another light.
 
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use protocol::{ClientMessage, GestureState, ServerMessage, ViewSettings, ViewSource};
+use protocol::{GestureState, ServerMessage, ViewSettings};
 
 use super::judge::{TimedDrag, Timeline};
+use super::other::locked;
 use super::setup::{Draggable, add_light, pin};
-use crate::circle::ANIMATION_FRAME;
+use crate::circle::{ANIMATION_FRAME, open_view, time_until};
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, ServerAddress};
 
@@ -59,16 +60,18 @@ impl Victim {
     pub fn start(address: &ServerAddress, link: &ServerAddress, size: [u32; 2]) -> Result<Self, BenchError> {
         let light = add_light(address, SESSION, ACTOR, None)?;
         let draggable = pin(address, SESSION, ACTOR, light, PINS)?;
-        let mut hand = Client::connect(link, SESSION, ACTOR, None)?;
-        let circle = DragCircle::of(&hand)?;
-        open_view(&mut hand, size, circle.light)?;
-        let asker = Client::connect(address, SESSION, ACTOR, None)?;
+        let mut client = Client::connect(link, SESSION, ACTOR, None)?;
+        let circle = DragCircle::of(&client)?;
+        // The view shows only the dragged light, so that other lights cause no renders.
+        open_view(&mut client, size, Some(ViewSettings { exposure: 0.0, solo: vec![circle.light] }))?;
+        let feature_client = Client::connect(address, SESSION, ACTOR, None)?;
         let shared = Arc::new(Shared::default());
-        let (for_hand, for_asker) = (shared.clone(), shared.clone());
+        let (of_drag, of_features) = (shared.clone(), shared.clone());
+        let drag = DragThread { client, circle, timeline: Timeline::default(), gestures: 0, update: 0 };
         Ok(Self {
             shared,
-            drag_thread: thread::spawn(move || DragThread::new(hand, circle).drag(&for_hand)),
-            feature_thread: thread::spawn(move || drag_features(asker, &draggable, &for_asker)),
+            drag_thread: thread::spawn(move || drag.drag(&of_drag)),
+            feature_thread: thread::spawn(move || drag_features(feature_client, &draggable, &of_features)),
         })
     }
 
@@ -83,10 +86,9 @@ impl Victim {
     /// Waits for a frame later than `to` and for answers to drags sent before `to`, for at most `patience`. Returns the
     /// time at which it stopped.
     pub fn follow(&self, to: Instant, patience: Duration) -> Instant {
-        let get = |of: &Mutex<Option<Instant>>| *of.lock().unwrap_or_else(PoisonError::into_inner);
         while to.elapsed() < patience {
-            let has_frame = get(&self.shared.latest_frame).is_some_and(|came| came > to);
-            let is_answered = get(&self.shared.unanswered_since).is_none_or(|asked| asked > to);
+            let has_frame = locked(&self.shared.latest_frame).is_some_and(|came| came > to);
+            let is_answered = locked(&self.shared.unanswered_since).is_none_or(|since| since > to);
             let is_gone = self.drag_thread.is_finished() || self.feature_thread.is_finished();
             if is_gone || has_frame && is_answered {
                 break;
@@ -101,27 +103,11 @@ impl Victim {
         self.shared.activity.store(LEAVING, Ordering::Relaxed);
         let panicked = |_| BenchError::Refused("the victim's thread panicked".into());
         let mut timeline = self.drag_thread.join().map_err(panicked)?;
-        let asked = self.feature_thread.join().map_err(panicked)?;
-        timeline.timed_drags = asked.timed_drags;
-        timeline.disconnect_reason = timeline.disconnect_reason.or(asked.disconnect_reason);
+        let features = self.feature_thread.join().map_err(panicked)?;
+        timeline.timed_drags = features.timed_drags;
+        timeline.disconnect_reason = timeline.disconnect_reason.or(features.disconnect_reason);
         Ok(timeline)
     }
-}
-
-/// Opens a view that shows only the dragged light, so that other lights cause no renders.
-fn open_view(client: &mut Client, [width, height]: [u32; 2], light: u64) -> Result<(), BenchError> {
-    client.send(&ClientMessage::OpenView {
-        source: ViewSource::Own(client.welcome.camera.clone()),
-        width,
-        height,
-        camera_revision: 1,
-        settings: Some(ViewSettings { exposure: 0.0, solo: vec![light] }),
-        interaction: None,
-        stats: false,
-    })?;
-    client.wait_for("a first lossless picture", |incoming| {
-        matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
-    })
 }
 
 /// State of the thread that drags the control point.
@@ -134,18 +120,11 @@ struct DragThread {
 }
 
 impl DragThread {
-    fn new(client: Client, circle: DragCircle) -> Self {
-        Self { client, circle, timeline: Timeline::default(), gestures: 0, update: 0 }
-    }
-
     /// Drags while the activity is `DRAGGING`, until the victim leaves or the connection ends.
     fn drag(mut self, shared: &Shared) -> Timeline {
         while shared.activity() != LEAVING {
-            let done = if shared.activity() == DRAGGING {
-                self.one_drag(shared)
-            } else {
-                self.take(shared, POLL_INTERVAL)
-            };
+            let done =
+                if shared.activity() == DRAGGING { self.one_drag(shared) } else { self.take(shared, POLL_INTERVAL) };
             if let Err(why) = done {
                 self.timeline.disconnect_reason = Some(why.to_string());
                 break;
@@ -157,25 +136,21 @@ impl DragThread {
     /// Drags until the activity changes, then cancels the gesture.
     fn one_drag(&mut self, shared: &Shared) -> Result<(), BenchError> {
         self.gestures += 1;
-        let (light, base_seq) = (self.circle.light, self.client.welcome.seq);
         let gesture = self.gesture();
-        self.client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
+        self.client.begin_gesture(&gesture, self.circle.light)?;
         let mut next = Instant::now();
         while shared.activity() == DRAGGING {
             self.update += 1;
             let command = self.circle.command(STEP * self.update as f64);
-            let message =
-                ClientMessage::GestureUpdate { gesture: gesture.clone(), update: self.update, command };
-            self.client.send(&message)?;
+            self.client.update_gesture(&gesture, self.update, command)?;
             self.timeline.sent.push(Instant::now());
             // Updates that were delayed are not sent later: a page does not send them either.
             next = (next + ANIMATION_FRAME).max(Instant::now());
-            while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero())
-            {
+            while let Some(left) = time_until(next) {
                 self.take(shared, left)?;
             }
         }
-        self.client.send(&ClientMessage::GestureCancel { gesture })
+        self.client.cancel_gesture(&gesture)
     }
 
     fn gesture(&self) -> String {
@@ -189,7 +164,7 @@ impl DragThread {
                 let came = Instant::now();
                 self.client.ack(&header)?;
                 self.timeline.frames.push((came, header.live_revision));
-                *shared.latest_frame.lock().unwrap_or_else(PoisonError::into_inner) = Some(came);
+                *locked(&shared.latest_frame) = Some(came);
             }
             Some(Incoming::Message(message)) => {
                 if let ServerMessage::GestureState(state) = *message
@@ -211,24 +186,23 @@ fn is_of(state: &GestureState, client: &Client, gesture: &str) -> bool {
 
 /// Drags features of another light, one after the other, and cancels each after its answer.
 fn drag_features(mut client: Client, draggable: &Draggable, shared: &Shared) -> Timeline {
-    let mut timeline = Timeline::default();
-    for n in 1.. {
-        if let Err(why) = rest(&mut client, shared) {
-            timeline.disconnect_reason = Some(why.to_string());
+    let mut timed_drags = Vec::new();
+    let mut drag_until_left = || -> Result<(), BenchError> {
+        for n in 1.. {
+            rest(&mut client, shared)?;
+            if shared.activity() == LEAVING {
+                break;
+            }
+            let sent = Instant::now();
+            *locked(&shared.unanswered_since) = Some(sent);
+            let answered = drag_feature_once(&mut client, draggable, n, shared);
+            *locked(&shared.unanswered_since) = None;
+            timed_drags.push(TimedDrag { sent, answered: answered? });
         }
-        if shared.activity() == LEAVING || timeline.disconnect_reason.is_some() {
-            break;
-        }
-        let sent = Instant::now();
-        *shared.unanswered_since.lock().unwrap_or_else(PoisonError::into_inner) = Some(sent);
-        let answered = drag_feature_once(&mut client, draggable, n, shared);
-        *shared.unanswered_since.lock().unwrap_or_else(PoisonError::into_inner) = None;
-        match answered {
-            Ok(answered) => timeline.timed_drags.push(TimedDrag { sent, answered }),
-            Err(why) => timeline.disconnect_reason = Some(why.to_string()),
-        }
-    }
-    timeline
+        Ok(())
+    };
+    let disconnect_reason = drag_until_left().err().map(|why| why.to_string());
+    Timeline { timed_drags, disconnect_reason, ..Timeline::default() }
 }
 
 /// Receives messages for the pause between drags, and while the victim rests.
@@ -247,25 +221,19 @@ fn drag_feature_once(
     n: u64,
     shared: &Shared,
 ) -> Result<Option<Instant>, BenchError> {
-    let (gesture, base_seq) = (format!("ask-{n}"), client.welcome.seq);
+    let gesture = format!("ask-{n}");
     let command = draggable.command(n as usize)?;
-    client.send(&ClientMessage::GestureBegin {
-        gesture: gesture.clone(),
-        light: draggable.light,
-        base_seq,
-    })?;
-    client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update: n, command })?;
+    client.begin_gesture(&gesture, draggable.light)?;
+    client.update_gesture(&gesture, n, command)?;
     while shared.activity() != LEAVING {
-        let Some(Incoming::Message(message)) = client.receive(POLL_INTERVAL)? else { continue };
-        let ServerMessage::GestureState(state) = *message else { continue };
+        let message = client.receive(POLL_INTERVAL)?.and_then(Incoming::into_message);
+        let Some(ServerMessage::GestureState(state)) = message else { continue };
         if !is_of(&state, client, &gesture) || state.update != n {
             continue;
         }
         let answered = Instant::now();
-        if let Some(problem) = state.status.problem() {
-            return Err(BenchError::Refused(problem.message.clone()));
-        }
-        client.send(&ClientMessage::GestureCancel { gesture })?;
+        BenchError::check(state.status.problem())?;
+        client.cancel_gesture(&gesture)?;
         return Ok(Some(answered));
     }
     Ok(None)

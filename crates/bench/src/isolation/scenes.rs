@@ -20,8 +20,7 @@ pub fn primitives(count: usize, name: &str) -> Vec<u8> {
 /// Makes a file of one mesh with `primitives` that share three corners.
 fn glb(name: &str, primitives: &[Value], indices: Option<(Vec<u8>, Value)>) -> Vec<u8> {
     let corners = [[-1.0_f32, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
-    let mut bytes: Vec<u8> =
-        corners.iter().flatten().flat_map(|coordinate| coordinate.to_le_bytes()).collect();
+    let mut bytes: Vec<u8> = corners.iter().flatten().flat_map(|coordinate| coordinate.to_le_bytes()).collect();
     let corner_bytes = bytes.len();
     let mut views = vec![json!({"buffer": 0, "byteOffset": 0, "byteLength": corner_bytes})];
     let mut accessors = vec![json!({
@@ -45,8 +44,7 @@ fn glb(name: &str, primitives: &[Value], indices: Option<(Vec<u8>, Value)>) -> V
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     bytes.resize(bytes.len().next_multiple_of(4), 0);
-    let chunk =
-        |kind: &[u8; 4], data: &[u8]| [&(data.len() as u32).to_le_bytes()[..], &kind[..], data].concat();
+    let chunk = |kind: &[u8; 4], data: &[u8]| [&(data.len() as u32).to_le_bytes()[..], &kind[..], data].concat();
     let chunks = [chunk(b"JSON", &text), chunk(b"BIN\0", &bytes)].concat();
     let length = (12 + chunks.len()) as u32;
     [&b"glTF"[..], &2_u32.to_le_bytes(), &length.to_le_bytes(), &chunks].concat()

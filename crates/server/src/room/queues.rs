@@ -23,9 +23,15 @@ use crate::ServerError;
 use crate::charges::Payer;
 use crate::limits::{MAX_SOLVE_TRIES, MAX_TICK_MESSAGES};
 use crate::outboxes::ClientId;
-use crate::request::{
-    ClientRequest, RecordAction, RecordRequest, RequestedCommand, RequestedEdit, needs_scene,
-};
+use crate::request::{ClientRequest, RecordAction, RecordRequest, RequestedCommand, RequestedEdit, needs_scene};
+
+/// Client or program that waits for a solve.
+#[derive(Clone, Copy)]
+pub(super) struct Asker<'a> {
+    pub actor: &'a Actor,
+    /// Cancelled when the program no longer waits. `None` for a client.
+    pub cancellation: Option<&'a CancellationToken>,
+}
 
 impl Room {
     /// Returns the solution of a client's request, like [`Self::solution`].
@@ -36,12 +42,13 @@ impl Room {
         solves: &mut SolveState,
         tick: &Tick,
     ) -> Poll<FoundSolution> {
+        let asker = Asker { actor, cancellation: None };
         match request {
-            ClientRequest::Step(step) => self.solution_of_step(step, (actor, None), solves, tick),
+            ClientRequest::Step(step) => self.solution_of_step(step, asker, solves, tick),
             ClientRequest::UpdateGesture { gesture, command: Ok(command), .. }
                 if self.gesture_of(gesture, actor).is_some() =>
             {
-                self.solution(command, (actor, None), solves)
+                self.solution(command, asker, solves)
             }
             _ => Poll::Ready(None),
         }
@@ -51,31 +58,26 @@ impl Room {
     pub(super) fn solution_of_step(
         &mut self,
         step: &RecordRequest,
-        (actor, gone): (&Actor, Option<&CancellationToken>),
+        asker: Asker,
         solves: &mut SolveState,
         tick: &Tick,
     ) -> Poll<FoundSolution> {
-        let Ok(asked) = &step.request else { return Poll::Ready(None) };
+        let Ok(action) = &step.request else { return Poll::Ready(None) };
         // A repeated operation is not carried out again.
-        if tick.earlier_outcome(&step.op_id, actor).is_some() {
+        if tick.earlier_outcome(&step.op_id, asker.actor).is_some() {
             return Poll::Ready(None);
         }
-        let of_gesture;
-        let command = match asked {
+        match action {
             RecordAction::Edit(RequestedEdit { command: RequestedCommand::Command(command), .. }) => {
-                Some(command)
+                self.solution(command, asker, solves)
             }
-            RecordAction::Group(edits) => return self.solution_of_group(edits, (actor, gone), solves),
-            RecordAction::Commit(id) => {
-                of_gesture = self.gesture_of(id, actor).and_then(|gesture| gesture.command);
+            RecordAction::Group(edits) => self.solution_of_group(edits, asker, solves),
+            RecordAction::Commit(id) => match self.gesture_of(id, asker.actor).and_then(|gesture| gesture.command) {
                 // A bent light was solved at its update, and its command is complete.
-                of_gesture.as_ref().filter(|command| !matches!(command, Command::BendLight { .. }))
-            }
-            RecordAction::Edit(_) | RecordAction::Undo(_) | RecordAction::Redo(_) => None,
-        };
-        match command {
-            Some(command) => self.solution(command, (actor, gone), solves),
-            None => Poll::Ready(None),
+                None | Some(Command::BendLight { .. }) => Poll::Ready(None),
+                Some(command) => self.solution(&command, asker, solves),
+            },
+            RecordAction::Edit(_) | RecordAction::Undo(_) | RecordAction::Redo(_) => Poll::Ready(None),
         }
     }
 
@@ -83,64 +85,54 @@ impl Room {
     fn solution_of_group(
         &mut self,
         edits: &[RequestedEdit],
-        asker: (&Actor, Option<&CancellationToken>),
+        asker: Asker,
         solves: &mut SolveState,
     ) -> Poll<FoundSolution> {
-        let reach = self.scene.decoded.posed.bounds();
-        match solves.take_group_solution(edits, self.session.document(), reach) {
+        match solves.take_group_solution(edits, self.session.document(), &self.scene.decoded) {
             Poll::Pending => self.begin_solve(|| SolveTask::Group(edits.to_vec()), asker, solves),
             found @ Poll::Ready(_) => found,
         }
     }
 
     /// Returns the solution of a command, or `None` if it needs none. A missing solution is solved outside the
-    /// session's task. The result is pending until the solve ends or `gone` is cancelled. After too many changes of its
+    /// session's task. The result is pending until the solve ends or the asker no longer waits. After too many changes of its
     /// inputs by others it is an error.
-    pub(super) fn solution(
-        &mut self,
-        command: &Command,
-        (actor, gone): (&Actor, Option<&CancellationToken>),
-        solves: &mut SolveState,
-    ) -> Poll<FoundSolution> {
+    pub(super) fn solution(&mut self, command: &Command, asker: Asker, solves: &mut SolveState) -> Poll<FoundSolution> {
         if !needs_scene(command) {
             return Poll::Ready(None);
         }
-        let document = self.session.document();
-        if let Some(found) = solves.take_solution(command, document) {
-            return Poll::Ready(Some(found));
+        match solves.take_solution(command, self.session.document()) {
+            None => self.begin_solve(|| SolveTask::Command(Box::new(command.clone())), asker, solves),
+            found => Poll::Ready(found),
         }
-        self.begin_solve(|| SolveTask::Command(Box::new(command.clone())), (actor, gone), solves)
     }
 
     /// Starts a solve, unless the step has used up its tries.
     fn begin_solve(
         &mut self,
-        what: impl FnOnce() -> SolveTask,
-        (actor, gone): (&Actor, Option<&CancellationToken>),
+        task: impl FnOnce() -> SolveTask,
+        asker: Asker,
         solves: &mut SolveState,
     ) -> Poll<FoundSolution> {
         if !solves.can_retry() {
             solves.cancel();
             return Poll::Ready(Some(Err(ServerError::TooManySolveRetries(MAX_SOLVE_TRIES))));
         }
-        let (what, document) = (what(), self.session.document().clone());
-        let (scene, solver) = (self.scene.decoded.clone(), self.backend.solver.clone());
-        let payer = Payer::new(&self.name, &actor.id);
-        let gone = gone.cloned().unwrap_or_default();
+        let (task, document) = (task(), self.session.document().clone());
+        let (scene, solver) = (self.scene.decoded.clone(), self.services.solver.clone());
+        let payer = Payer::new(&self.name, &asker.actor.id);
+        let cancellation = asker.cancellation.cloned().unwrap_or_default();
         solves.begin(self.solving.spawn(async move {
             tokio::select! {
-                solved = solve(what, document, scene, (&solver, payer)) => solved,
-                () = gone.cancelled() => Err(ServerError::Internal),
+                solved = solve(task, document, scene, &solver, payer) => solved,
+                () = cancellation.cancelled() => Err(ServerError::Internal),
             }
         }));
         Poll::Pending
     }
 
     /// Stores the result of a solve for the step that waits for it. The step continues in the next tick.
-    pub(super) fn finish_solve(
-        &mut self,
-        ended: Result<(Id, Result<Vec<SolvedCommand>, ServerError>), JoinError>,
-    ) {
+    pub(super) fn finish_solve(&mut self, ended: Result<(Id, Result<Vec<SolvedCommand>, ServerError>), JoinError>) {
         let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let of_clients = self.clients.values_mut().map(|client| &mut client.solves);
         let mut all = of_clients.chain(self.batches.iter_mut().map(|batch| &mut batch.solves));
@@ -183,10 +175,10 @@ impl Room {
         &mut self,
         id: ClientId,
         request: ClientRequest,
-        place: Option<OwnedSemaphorePermit>,
+        queue_permit: Option<OwnedSemaphorePermit>,
     ) {
         if let Some(client) = self.clients.get_mut(&id) {
-            client.queued.push_front(RoomMessage::Client { client: id, request, queue_permit: place });
+            client.queued.push_front(RoomMessage::Client { client: id, request, queue_permit });
         }
     }
 

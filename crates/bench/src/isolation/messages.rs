@@ -37,10 +37,7 @@ pub(super) fn flood(other: &OtherClient) -> Result<ClientAction, BenchError> {
                 })
             });
         }
-        other.spawn(move |other| {
-            let mut client = other.connect(2 * SOCKETS)?;
-            drag(other, &mut client)
-        });
+        other.spawn(|other| drag(other, &mut *other.connect(2 * SOCKETS)?));
         Ok(())
     }))
 }
@@ -48,9 +45,8 @@ pub(super) fn flood(other: &OtherClient) -> Result<ClientAction, BenchError> {
 /// Drags a control point of the session's light.
 fn drag(other: &OtherClient, client: &mut Client) -> Result<(), BenchError> {
     let circle = DragCircle::of(client)?;
-    let (gesture, base_seq) = (format!("flood-{:x}", fastrand::u64(..)), client.welcome.seq);
-    let begin = ClientMessage::GestureBegin { gesture: gesture.clone(), light: circle.light, base_seq };
-    client.send(&begin)?;
+    let gesture = format!("flood-{:x}", fastrand::u64(..));
+    client.begin_gesture(&gesture, circle.light)?;
     repeat(other, client, |update| {
         let command = circle.command(TURN * update as f64);
         ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command }
@@ -58,11 +54,7 @@ fn drag(other: &OtherClient, client: &mut Client) -> Result<(), BenchError> {
 }
 
 /// Sends messages in batches of `AT_ONCE`, each batch after the one before is done.
-fn repeat(
-    other: &OtherClient,
-    client: &mut Client,
-    message: impl Fn(u64) -> ClientMessage,
-) -> Result<(), BenchError> {
+fn repeat(other: &OtherClient, client: &mut Client, message: impl Fn(u64) -> ClientMessage) -> Result<(), BenchError> {
     for round in 1.. {
         for n in 1..=AT_ONCE {
             client.send(&message(AT_ONCE * (round - 1) + n))?;
@@ -75,10 +67,10 @@ fn repeat(
             if other.is_over() {
                 return Ok(());
             }
-            let Some(Incoming::Message(answer)) = client.receive(POLL_INTERVAL)? else { continue };
-            match *answer {
-                ServerMessage::Pong { sent, .. } if sent == last => break,
-                ServerMessage::Error { .. } => return Err(BenchError::Refused(json!(*answer).to_string())),
+            let answer = client.receive(POLL_INTERVAL)?.and_then(Incoming::into_message);
+            match answer {
+                Some(ServerMessage::Pong { sent, .. }) if sent == last => break,
+                Some(ServerMessage::Error { .. }) => return Err(BenchError::Refused(json!(answer).to_string())),
                 _ => {}
             }
         }

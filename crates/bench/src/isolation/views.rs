@@ -3,11 +3,12 @@
 use std::time::{Duration, Instant};
 
 use glam::DQuat;
-use protocol::{Camera, ClientMessage, ViewSource};
+use protocol::{Camera, ClientMessage};
 use stream::FrameHeader;
 
 use super::other::{CLIENTS, ClientAction, OtherClient, POLL_INTERVAL, TrackedClient};
 use super::setup::make_session;
+use crate::circle::time_until;
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming};
 
@@ -41,7 +42,7 @@ pub(super) fn large(other: &OtherClient) -> Result<ClientAction, BenchError> {
         let mut views = Vec::new();
         for socket in 0..LARGE_VIEWS {
             let mut client = other.connect(socket)?;
-            begin_view(&mut client, LARGE_VIEW_SIZE)?;
+            client.open_view(LARGE_VIEW_SIZE, None)?;
             views.push(client);
         }
         wait_for_all(&mut views, OPENS_WITHIN, |_| true)?;
@@ -66,7 +67,7 @@ fn move_view(
     client.send(&ClientMessage::SetCamera { camera, camera_revision })?;
     other.count_done(1);
     let until = Instant::now() + MOVES_EVERY;
-    while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
+    while let Some(left) = time_until(until) {
         if let Some(Incoming::Frame(header, _)) = client.receive(left)? {
             client.ack(&header)?;
             other.count_answered(1);
@@ -85,18 +86,6 @@ fn turned(camera: &Camera, revision: u32) -> Camera {
     Camera { rotation, ..camera.clone() }
 }
 
-fn begin_view(client: &mut Client, [width, height]: [u32; 2]) -> Result<(), BenchError> {
-    client.send(&ClientMessage::OpenView {
-        source: ViewSource::Own(client.welcome.camera.clone()),
-        width,
-        height,
-        camera_revision: 1,
-        settings: None,
-        interaction: None,
-        stats: false,
-    })
-}
-
 /// Opens views that read nothing, in sessions whose light is dragged.
 pub(super) fn silent(other: &OtherClient) -> Result<ClientAction, BenchError> {
     for session in 0..SILENT_SESSIONS {
@@ -111,14 +100,14 @@ pub(super) fn silent(other: &OtherClient) -> Result<ClientAction, BenchError> {
                 let mut views = Vec::new();
                 for socket in silent.clone().take_while(|_| !other.is_over()) {
                     let opened = other.connect(socket).and_then(|mut client| {
-                        begin_view(&mut client, MEDIUM_VIEW_SIZE)?;
+                        client.open_view(MEDIUM_VIEW_SIZE, None)?;
                         views.push(client);
                         other.count_done(1);
                         Ok(())
                     });
                     other.count_refusal(opened);
                 }
-                wait(other);
+                other.wait_until_over();
                 Ok(())
             });
         }
@@ -126,24 +115,16 @@ pub(super) fn silent(other: &OtherClient) -> Result<ClientAction, BenchError> {
     }))
 }
 
-fn wait(other: &OtherClient) {
-    while !other.is_over() {
-        std::thread::sleep(POLL_INTERVAL);
-    }
-}
-
 /// Drags a control point without a view of its own.
 fn drag(other: &OtherClient, socket: usize) -> Result<(), BenchError> {
     let mut client = other.connect(socket)?;
     let circle = DragCircle::of(&client)?;
-    let (gesture, light, base_seq) = ("other".to_owned(), circle.light, client.welcome.seq);
-    client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
+    client.begin_gesture("other", circle.light)?;
     for update in 1.. {
         if other.is_over() {
             break;
         }
-        let command = circle.command(0.05 * update as f64);
-        client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
+        client.update_gesture("other", update, circle.command(0.05 * update as f64))?;
         while client.receive(Duration::from_millis(16))?.is_some() {}
     }
     Ok(())
@@ -187,7 +168,7 @@ pub(super) fn closing(other: &OtherClient) -> Result<ClientAction, BenchError> {
 fn open_many(other: &OtherClient) -> Result<Vec<TrackedClient>, BenchError> {
     let open = |socket| {
         let mut client = other.connect(socket)?;
-        begin_view(&mut client, MEDIUM_VIEW_SIZE)?;
+        client.open_view(MEDIUM_VIEW_SIZE, None)?;
         other.count_done(1);
         Ok(client)
     };

@@ -3,11 +3,11 @@
 use std::io::Write;
 use std::net::{Shutdown, TcpStream};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::other::{CLIENTS, ClientAction, OtherClient, POLL_INTERVAL};
+use super::other::{CLIENTS, ClientAction, OtherClient};
 use super::setup::{edit, make_session};
 use crate::BenchError;
 use crate::client::say_hello;
@@ -43,7 +43,7 @@ pub(super) fn reads_nothing(other: &OtherClient) -> Result<ClientAction, BenchEr
             let (mut sockets, mut requests) = (Vec::new(), Vec::new());
             let path = format!("/sessions/{}", other.session(0));
             for reader in (0..READERS).take_while(|_| !other.is_over()) {
-                let asked = (|| {
+                let opened = (|| {
                     let session = other.session(0);
                     let actor = other.actor(reader);
                     sockets.push(say_hello(other.tcp()?, &other.address, &session, &actor, None)?);
@@ -51,11 +51,9 @@ pub(super) fn reads_nothing(other: &OtherClient) -> Result<ClientAction, BenchEr
                     other.count_done(2);
                     Ok(())
                 })();
-                other.count_refusal(asked);
+                other.count_refusal(opened);
             }
-            while !other.is_over() {
-                std::thread::sleep(POLL_INTERVAL);
-            }
+            other.wait_until_over();
             Ok(())
         });
         Ok(())
@@ -65,15 +63,16 @@ pub(super) fn reads_nothing(other: &OtherClient) -> Result<ClientAction, BenchEr
 /// Returns a BendyLight of the maximum number of bytes, switched off.
 fn heavy_light(number: usize) -> Value {
     let mut rng = fastrand::Rng::with_seed(number as u64);
-    let points: Vec<[f64; 3]> = (0..POINTS)
-        .map(|k| {
-            if k == 0 {
-                [0.0; 3]
-            } else {
-                [1e-6 * rng.f64(), 1e-6 * rng.f64(), -0.1 * (k as f64 + 1e-3 * rng.f64())]
-            }
-        })
-        .collect();
+    let points: Vec<[f64; 3]> =
+        (0..POINTS)
+            .map(|k| {
+                if k == 0 {
+                    [0.0; 3]
+                } else {
+                    [1e-6 * rng.f64(), 1e-6 * rng.f64(), -0.1 * (k as f64 + 1e-3 * rng.f64())]
+                }
+            })
+            .collect();
     let radii: Vec<f64> = (0..POINTS).map(|_| 1e-3 * rng.f64()).collect();
     let colors: Vec<[f64; 3]> = (0..POINTS).map(|_| [rng.f64(), rng.f64(), rng.f64()]).collect();
     let intensities: Vec<f64> = (0..POINTS).map(|_| rng.f64()).collect();
@@ -100,10 +99,7 @@ pub(super) fn cut_bodies(other: &OtherClient) -> Result<ClientAction, BenchError
                         Err(why) => other.count_refusal(Err(why)),
                     }
                 }
-                let until = Instant::now() + HELD;
-                while Instant::now() < until && !other.is_over() {
-                    std::thread::sleep(POLL_INTERVAL);
-                }
+                other.wait(HELD);
                 other.count_done(held.len() as u64);
                 for connection in held {
                     let _ = connection.shutdown(Shutdown::Both);

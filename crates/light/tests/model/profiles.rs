@@ -21,14 +21,18 @@ fn shares() -> impl Iterator<Item = f64> {
     (0..POINTS).map(|k| (f64::from(k) + 0.5) / f64::from(POINTS))
 }
 
+fn profile(light: &Light) -> LightProfile {
+    LightProfile::of(light, 0.0)
+}
+
 /// Returns the largest difference of two functions over the angle from the axis to the edge.
 fn apart(light: &Light, expected: impl Fn(f64) -> f64) -> f64 {
     let outer = light.get(CONE_ANGLE).to_radians();
-    let filter = LightProfile::of(light, 0.0);
+    let profile = profile(light).profile;
     let off = |share: f64| {
         let angle = outer * share;
         let rho = angle.tan() / outer.tan();
-        (filter.profile.at(rho * rho) - expected(angle)).abs()
+        (profile.at(rho * rho) - expected(angle)).abs()
     };
     shares().map(off).fold(0.0, f64::max)
 }
@@ -102,13 +106,13 @@ fn the_linear_profile_falls_evenly_with_the_distance_from_the_axis() {
 
 /// Equal angles are a step for every curve. The narrowest cone keeps its shape.
 #[test]
-fn no_profile_divides_by_nothing() {
+fn profiles_without_softness_are_steps() {
     for curve in [ProfileCurve::Smooth, ProfileCurve::Linear, ProfileCurve::Power] {
         for angle in [1e-100, 1e-6, 25.0, 89.9] {
             let step = Light::spot().with(CONE_ANGLE, angle).with(PROFILE, curve).with(CONE_SOFTNESS, 0.0);
-            let profile = LightProfile::of(&step, 0.0).profile;
-            assert!(shares().all(|rho| profile.at(rho * rho) == 1.0), "{curve:?} {angle}");
-            let soft = LightProfile::of(&step.with(CONE_SOFTNESS, 1e-15), 0.0).profile;
+            let hard = profile(&step).profile;
+            assert!(shares().all(|rho| hard.at(rho * rho) == 1.0), "{curve:?} {angle}");
+            let soft = profile(&step.with(CONE_SOFTNESS, 1e-15)).profile;
             assert!(shares().all(|rho| (0.0..=1.0).contains(&soft.at(rho * rho))), "{curve:?} {angle}");
         }
     }
@@ -156,8 +160,7 @@ fn the_superellipse_is_barzels_and_stays_within_the_radius() {
         }
         // The outline touches the circle and does not cross it.
         let reach = |angle: f64| section.rho2(angle.cos(), angle.sin()).sqrt().recip();
-        let reach =
-            (0..100_000).map(|k| reach(f64::from(k) * 1e-5 * std::f64::consts::TAU)).fold(0.0, f64::max);
+        let reach = (0..100_000).map(|k| reach(f64::from(k) * 1e-5 * std::f64::consts::TAU)).fold(0.0, f64::max);
         assert!(reach <= 1.0 + 1e-12, "{a} {b} {roundness}: reaches {reach}");
         assert!(farthest < 1.0 || reach > 1.0 - 1e-3, "{a} {b} {roundness}: reaches only {reach}");
         // Deliberate fault that the check must detect: an ellipse.
@@ -184,7 +187,7 @@ fn a_section_without_roundness_is_a_rectangle() {
 ///
 /// Rules: CURVE-1
 #[test]
-fn the_edge_lies_as_far_out_as_the_radial_falloff_says() {
+fn the_radial_falloff_scales_the_edge() {
     let around = |knots: &[[f64; 2]], degrees: f64| {
         let turned = |turns: f64| knots.iter().map(move |[at, share]| [at + 360.0 * turns, *share]);
         let line: Vec<_> = turned(-1.0).chain(turned(0.0)).chain(turned(1.0)).collect();
@@ -196,22 +199,18 @@ fn the_edge_lies_as_far_out_as_the_radial_falloff_says() {
         &[[40.0, 0.5]],
         &[[0.0, 1.0], [180.0, 0.25]],
         &[[30.0, 0.9], [31.0, 0.2], [300.0, 0.6]],
-        &std::array::from_fn::<_, MAX_KNOTS, _>(|k| {
-            [22.5 * k as f64 + 3.0, if k % 2 == 0 { 1.0 } else { 0.4 }]
-        }),
+        &std::array::from_fn::<_, MAX_KNOTS, _>(|k| [22.5 * k as f64 + 3.0, if k % 2 == 0 { 1.0 } else { 0.4 }]),
     ];
     for knots in lists {
         let spot = Light::spot().with(CONE_SOFTNESS, 1.0).with(PROFILE, ProfileCurve::Linear);
         let cone = |curve| Cone::new(&spot.clone().with(RADIAL_FALLOFF, curve)).expect("valid");
         let curved = cone(PeriodicCurve::new(knots.to_vec()));
         let mut turned_off = 0.0_f64;
-        for (degrees, rho) in
-            shares().map(|share| 360.0 * share).zip(shares().map(|share| (share * 7.3).fract()))
-        {
+        for (degrees, rho) in shares().map(|share| 360.0 * share).zip(shares().map(|share| (share * 7.3).fract())) {
             let (sin, cos) = degrees.to_radians().sin_cos();
             let across = rho * 25f64.to_radians().tan();
-            let place = curved.locate(DVec3::new(-across * cos, across * sin, -1.0)).expect("in the cone");
-            let given = curved.irradiance(&place).x * place.s * place.s;
+            let coords = curved.locate(DVec3::new(-across * cos, across * sin, -1.0)).expect("in the cone");
+            let given = curved.irradiance(&coords).x * coords.s * coords.s;
             let expected = |share: f64| (1.0 - rho / share).max(0.0);
             let off = (given - expected(around(knots, degrees))).abs();
             // The profile's slope per degree is at most 0.7, and an angle is exact to a few ulp of 360.
@@ -222,18 +221,13 @@ fn the_edge_lies_as_far_out_as_the_radial_falloff_says() {
         assert_eq!(turned_off > 0.1, knots.len() > 2, "{turned_off}");
     }
     // A step stays a step: no light is left past its edge.
-    let hard =
-        Light::spot().with(CONE_SOFTNESS, 0.0).with(RADIAL_FALLOFF, PeriodicCurve::new(vec![[0.0, 0.5]]));
+    let hard = Light::spot().with(CONE_SOFTNESS, 0.0).with(RADIAL_FALLOFF, PeriodicCurve::new(vec![[0.0, 0.5]]));
     let cone = Cone::new(&hard).expect("valid");
     let at = |rho: f64| {
-        let place = cone.locate(DVec3::new(0.0, rho * 25f64.to_radians().tan(), -1.0)).expect("in the cone");
-        cone.irradiance(&place).x > 0.0
+        let coords = cone.locate(DVec3::new(0.0, rho * 25f64.to_radians().tan(), -1.0)).expect("in the cone");
+        cone.irradiance(&coords).x > 0.0
     };
     assert_eq!([0.0, 0.49, 0.51, 0.99].map(at), [true, true, false, false]);
-}
-
-fn filter(light: &Light) -> LightProfile {
-    LightProfile::of(light, 0.0)
 }
 
 #[test]
@@ -244,12 +238,9 @@ fn light_decays_from_where_its_decay_starts() {
             let light = Light::spot().with(DECAY, decay).with(DECAY_START, start).with(CONE_SOFTNESS, 0.0);
             let cone = Cone::new(&light).expect("valid");
             for s in shares().map(|share| 10.0 * share) {
-                let place = cone.locate(DVec3::new(0.0, 0.0, -s)).expect("on the axis");
+                let coords = cone.locate(DVec3::new(0.0, 0.0, -s)).expect("on the axis");
                 let expected = s.max(start).powi(-power);
-                assert!(
-                    (cone.irradiance(&place).x / expected - 1.0).abs() < ROUNDING,
-                    "{decay:?} {start} {s}"
-                );
+                assert!((cone.irradiance(&coords).x / expected - 1.0).abs() < ROUNDING, "{decay:?} {start} {s}");
                 // Deliberate fault that the check must detect: a decay that begins at the start, at 1.
                 let shifted = (1.0 + (s - start).max(0.0)).powi(-power);
                 assert!(power == 0 || (shifted / expected - 1.0).abs() > 1e-6 || (start - s).abs() > 0.2);
@@ -266,9 +257,9 @@ fn light_is_cut_on_and_off() {
         x * x * (3.0 - 2.0 * x)
     };
     let light = Light::spot().with(CUT_ON, Some(3.0)).with(NEAR_EDGE, 2.0);
-    let both = filter(&light.with(CUT_OFF, Some(6.0)).with(FAR_EDGE, 1.5)).distance_ramps;
-    let hard = filter(&Light::spot().with(CUT_ON, Some(3.0)).with(CUT_OFF, Some(6.0))).distance_ramps;
-    let off_alone = filter(&Light::spot().with(CUT_OFF, Some(6.0))).distance_ramps;
+    let both = profile(&light.with(CUT_OFF, Some(6.0)).with(FAR_EDGE, 1.5)).distance_ramps;
+    let hard = profile(&Light::spot().with(CUT_ON, Some(3.0)).with(CUT_OFF, Some(6.0))).distance_ramps;
+    let off_alone = profile(&Light::spot().with(CUT_OFF, Some(6.0))).distance_ramps;
     let mut differs = 0.0_f64;
     for s in shares().map(|share| 10.0 * share) {
         let expected = smoothstep(1.0, 3.0, s) * (1.0 - smoothstep(6.0, 7.5, s));
@@ -276,7 +267,7 @@ fn light_is_cut_on_and_off() {
         differs = differs.max((both.at(s) - smoothstep(1.0, 3.0, s)).abs());
         assert_eq!(hard.at(s), if s > 3.0 && s <= 6.0 { 1.0 } else { 0.0 }, "{s}");
         assert_eq!(off_alone.at(s), if s <= 6.0 { 1.0 } else { 0.0 }, "{s}");
-        assert_eq!(filter(&Light::spot()).distance_ramps.at(s), 1.0);
+        assert_eq!(profile(&Light::spot()).distance_ramps.at(s), 1.0);
     }
     assert!(differs > 0.9);
 }
@@ -327,16 +318,15 @@ fn color_temperature_is_that_of_a_black_body() {
 
 /// One number dims a BendyLight: it multiplies all of the light.
 #[test]
-fn the_whole_light_is_one_factor() {
-    let spot =
-        Light::spot().with(COLOR, DVec3::new(1.0, 0.5, 0.25)).with(INTENSITY, 60.0).with(EXPOSURE, -1.0);
+fn the_tint_multiplies_the_whole_light() {
+    let spot = Light::spot().with(COLOR, DVec3::new(1.0, 0.5, 0.25)).with(INTENSITY, 60.0).with(EXPOSURE, -1.0);
     let warm = spot.clone().with(ENABLE_COLOR_TEMPERATURE, true).with(COLOR_TEMPERATURE, 3200.0);
     let bent = bend(&spot, 3).expect("valid");
     let expected = DVec3::new(30.0, 15.0, 7.5);
-    assert_eq!((filter(&spot).tint, filter(&bent).tint), (expected, expected));
-    assert!((filter(&warm).tint - expected * blackbody(3200.0)).length() < 1e-12);
+    assert_eq!((profile(&spot).tint, profile(&bent).tint), (expected, expected));
+    assert!((profile(&warm).tint - expected * blackbody(3200.0)).length() < 1e-12);
     assert!(bent.points().iter().all(|point| (point.color, point.intensity) == (DVec3::ONE, 1.0)));
     let off = CheckedLight::new(bent.with(ENABLED, false)).expect("valid");
     assert!(off.light_profile().is_dark() && off.light_profile().tint == DVec3::ZERO);
-    assert!(!filter(&spot).is_dark());
+    assert!(!profile(&spot).is_dark());
 }

@@ -46,20 +46,28 @@ pub(super) fn document(address: &ServerAddress, session: &str) -> Result<Value, 
     Ok(state["document"].take())
 }
 
+/// Returns the id of the first light of a session; 0 if there is none.
+pub(super) fn first_light(address: &ServerAddress, session: &str) -> Result<u64, BenchError> {
+    Ok(document(address, session)?["lights"][0]["id"].as_u64().unwrap_or_default())
+}
+
 fn read(response: &Response) -> Result<Value, BenchError> {
     if !(200..300).contains(&response.status) {
         return Err(BenchError::Refused(response.text()));
     }
-    serde_json::from_slice(&response.body).map_err(|error| BenchError::Refused(error.to_string()))
+    Ok(serde_json::from_slice(&response.body)?)
+}
+
+/// Returns the commands that straighten a light and bend it again into `segments` segments.
+pub(super) fn rebend(light: u64, segments: usize) -> [Value; 2] {
+    [
+        json!({"type": "straightenLight", "light": light}),
+        json!({"type": "bendLight", "light": light, "segments": segments}),
+    ]
 }
 
 /// Edits a session; the first rejected command is an error.
-pub(super) fn edit(
-    address: &ServerAddress,
-    session: &str,
-    actor: &str,
-    commands: &[Value],
-) -> Result<(), BenchError> {
+pub(super) fn edit(address: &ServerAddress, session: &str, actor: &str, commands: &[Value]) -> Result<(), BenchError> {
     for commands in commands.chunks(EDITS) {
         let edits: Vec<Value> = commands.iter().map(|command| json!({"command": command})).collect();
         let body = json!({"actor": {"id": actor, "name": actor}, "edits": edits});
@@ -90,9 +98,7 @@ pub(super) fn add_light(
     let added = document["lights"].as_array().and_then(|lights| lights.last()?["id"].as_u64());
     let id = added.ok_or_else(|| BenchError::Refused("it added no light".into()))?;
     if let Some(segments) = segments {
-        let straight = json!({"type": "straightenLight", "light": id});
-        let bent = json!({"type": "bendLight", "light": id, "segments": segments});
-        edit(address, session, actor, &[straight, bent])?;
+        edit(address, session, actor, &rebend(id, segments))?;
     }
     Ok(id)
 }
@@ -108,10 +114,8 @@ pub(super) fn pin(
     let document = document(address, session)?;
     let lights = document["lights"].as_array().map_or(&[][..], Vec::as_slice);
     let index = lights.iter().position(|placed| placed["id"] == light).unwrap_or_default();
-    let points =
-        lights.get(index).and_then(|placed| placed["light"]["points"].as_array()).map_or(0, Vec::len);
-    let camera = serde_json::from_value(document["cameras"][0]["camera"].clone())
-        .map_err(|error| BenchError::Refused(error.to_string()))?;
+    let points = lights.get(index).and_then(|placed| placed["light"]["points"].as_array()).map_or(0, Vec::len);
+    let camera = serde_json::from_value(document["cameras"][0]["camera"].clone())?;
     let lit = lit_pixels(address, session, index)?;
     let kinds = ["direction", "lit"];
     let pin = |n: usize| {
@@ -127,16 +131,16 @@ pub(super) fn pin(
 /// the order of the session's lights.
 fn lit_pixels(address: &ServerAddress, session: &str, index: usize) -> Result<Vec<LitPixel>, BenchError> {
     let seen = (120..340).step_by(20).flat_map(|y| (60..600).step_by(20).map(move |x| (x, y)));
-    let asked: Vec<Value> = seen
+    let drags: Vec<Value> = seen
         .map(|(x, y)| [f64::from(x) + 0.5, f64::from(y) + 0.5])
         .map(|at| json!({"light": index, "kind": "hotspot", "size": SIZE, "from": at, "to": at, "pins": []}))
         .collect();
-    let answers = post(address, &format!("/sessions/{session}/drags"), &json!(asked))?;
-    let pairs = asked.iter().zip(answers.as_array().into_iter().flatten());
+    let answers = post(address, &format!("/sessions/{session}/drags"), &json!(drags))?;
+    let pairs = drags.iter().zip(answers.as_array().into_iter().flatten());
     let lit: Vec<LitPixel> = pairs
         .filter(|(_, answer)| answer["status"] == "landed")
-        .filter_map(|(asked, answer)| {
-            let pixel = serde_json::from_value(asked["from"].clone()).ok()?;
+        .filter_map(|(drag, answer)| {
+            let pixel = serde_json::from_value(drag["from"].clone()).ok()?;
             Some(LitPixel { pixel, at: serde_json::from_value(answer["fromWorld"].clone()).ok()? })
         })
         .collect();
@@ -159,6 +163,6 @@ impl Draggable {
             "type": "dragFeature", "light": self.light, "kind": "hotspot", "points": points, "radii": "solve",
             "camera": self.camera, "size": SIZE, "from": from, "to": to,
         });
-        serde_json::from_value(command).map_err(|error| BenchError::Refused(error.to_string()))
+        Ok(serde_json::from_value(command)?)
     }
 }

@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
 
 use protocol::{ClientMessage, ServerMessage};
 use serde_json::{Value, json};
 
 use super::other::{ClientAction, OtherClient, POLL_INTERVAL, Writes};
-use super::row::NeighbourRow;
-use super::setup::{SIZE, document, make_session, post, rename};
+use super::setup::{SIZE, document, first_light, make_session, post, rename};
 use super::{scenes, usage};
 use crate::{BenchError, Incoming};
 
@@ -26,13 +24,8 @@ const LABEL_BYTES: usize = 128;
 const DRAGS: usize = 8;
 
 /// Requests stills of a scene with all geometry at one position.
-pub(super) fn stills(other: &OtherClient) -> Result<ClientAction, BenchError> {
-    let scene = match other.row {
-        NeighbourRow::Stills16000 => scenes::triangles(TRIANGLES[0], "still"),
-        NeighbourRow::Stills64000 => scenes::triangles(TRIANGLES[1], "still"),
-        _ => scenes::primitives(PRIMITIVES, "still"),
-    };
-    let answer = other.address.post("/assets", &scene)?;
+pub(super) fn stills(other: &OtherClient, scene: &[u8]) -> Result<ClientAction, BenchError> {
+    let answer = other.address.post("/assets", scene)?;
     let uploaded: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
     let Some(asset) = uploaded["asset"].as_str() else { return Err(BenchError::Refused(answer.text())) };
     make_session(&other.address, &other.session(0), asset)?;
@@ -113,13 +106,12 @@ fn probe(other: &OtherClient, pixel: [f64; 2]) -> Result<(), BenchError> {
     let mut client = other.connect(0)?;
     while !other.is_over() {
         let probe = "probe".to_owned();
-        let message =
-            ClientMessage::Probe { probe, pixel, camera: None, size: Some(SIZE), highlights: false };
+        let message = ClientMessage::Probe { probe, pixel, camera: None, size: Some(SIZE), highlights: false };
         client.send(&message)?;
         other.count_done(1);
         while !other.is_over() {
-            let Some(Incoming::Message(message)) = client.receive(POLL_INTERVAL)? else { continue };
-            if let ServerMessage::Probed(_) | ServerMessage::Error { .. } = *message {
+            let message = client.receive(POLL_INTERVAL)?.and_then(Incoming::into_message);
+            if let Some(ServerMessage::Probed(_) | ServerMessage::Error { .. }) = message {
                 other.count_answered(1);
                 break;
             }
@@ -132,7 +124,7 @@ fn probe(other: &OtherClient, pixel: [f64; 2]) -> Result<(), BenchError> {
 pub(super) fn edit_as_many_actors(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let session = other.session(0);
     make_session(&other.address, &session, "demo:vases")?;
-    let light = document(&other.address, &session)?["lights"][0]["id"].as_u64().unwrap_or_default();
+    let light = first_light(&other.address, &session)?;
     // The first edit opens the session.
     post(&other.address, &format!("/sessions/{session}/edits"), &edit_of(light, "first", 0))?;
     Ok(Box::new(move |other| {
@@ -152,10 +144,7 @@ pub(super) fn edit_as_many_actors(other: &OtherClient) -> Result<ClientAction, B
         other.spawn(move |other| {
             let measure = || -> Result<f64, BenchError> {
                 let (written, edits) = (usage::written_bytes(other.pid)?, count.load(Ordering::Relaxed));
-                let until = Instant::now() + other.span.mul_f64(0.45);
-                while Instant::now() < until && !other.is_over() {
-                    std::thread::sleep(POLL_INTERVAL);
-                }
+                other.wait(other.span.mul_f64(0.45));
                 let bytes = usage::written_bytes(other.pid)?.saturating_sub(written);
                 Ok(bytes as f64 / count.load(Ordering::Relaxed).saturating_sub(edits) as f64)
             };
@@ -167,9 +156,7 @@ pub(super) fn edit_as_many_actors(other: &OtherClient) -> Result<ClientAction, B
                 let ratio = many_actors_bytes / one_actor_bytes;
                 other.keep_writes(Writes { one_actor_bytes, many_actors_bytes, ratio });
             }
-            while !other.is_over() {
-                std::thread::sleep(POLL_INTERVAL);
-            }
+            other.wait_until_over();
             Ok(())
         });
         Ok(())

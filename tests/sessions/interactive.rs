@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use bench::Incoming;
 use light::parameters::EXPOSURE;
-use protocol::{ClientMessage, Command};
+use protocol::Command;
 use stream::FrameHeader;
 
 use crate::sessions::support::{Mirror, Server, move_point, moved};
@@ -15,38 +15,29 @@ const UPDATE_EVERY: Duration = Duration::from_micros(16_667);
 /// Opens a view of its own of `size` pixels, and waits until it is at rest.
 fn open(mirror: &mut Mirror, size: [u32; 2]) {
     mirror.open_view_of(size, None);
-    mirror.receive_until("a lossless frame", |incoming| {
-        matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
-    });
+    mirror.settled_frame(0);
 }
 
 /// The first of `people` drags for `time`, with the updates of `command`. Returns the frames that each received
 /// meanwhile.
-fn drag(
-    people: &mut [Mirror],
-    time: Duration,
-    mut command: impl FnMut(u64) -> Command,
-) -> Vec<Vec<FrameHeader>> {
-    let (light, base_seq, gesture) = (people[0].light(), people[0].seq, "drag".to_owned());
-    people[0].send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq });
+fn drag(people: &mut [Mirror], time: Duration, mut command: impl FnMut(u64) -> Command) -> Vec<Vec<FrameHeader>> {
+    people[0].begin("drag");
     let mut frames = vec![Vec::new(); people.len()];
     let (began, mut update) = (Instant::now(), 0);
     while began.elapsed() < time {
         if began.elapsed() >= UPDATE_EVERY * update as u32 {
             update += 1;
-            let command = command(update);
-            people[0].send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command });
+            people[0].update("drag", update, command(update));
         }
         for (person, frames) in people.iter_mut().zip(&mut frames) {
-            if let Some(Incoming::Frame(header, _)) =
-                person.client.receive(Duration::from_millis(1)).expect("received")
+            if let Some(Incoming::Frame(header, _)) = person.client.receive(Duration::from_millis(1)).expect("received")
             {
                 person.client.ack(&header).expect("sent");
                 frames.push(header);
             }
         }
     }
-    people[0].send(&ClientMessage::GestureCancel { gesture });
+    people[0].cancel("drag");
     frames
 }
 
@@ -68,8 +59,7 @@ fn median(values: impl Iterator<Item = u32>) -> u32 {
 /// Rules: FRAME-2, FRAME-11
 #[test]
 fn interactive_views_come_first_and_stale_pictures_are_not_begun() {
-    let server = Server::start();
-    let mut people = ["ada", "ben", "cyd", "dan"].map(|name| server.connect(name));
+    let (_server, mut people) = Server::start_with(["ada", "ben", "cyd", "dan"]);
     for person in &mut people {
         open(person, [686, 382]);
     }
@@ -95,18 +85,15 @@ fn interactive_views_come_first_and_stale_pictures_are_not_begun() {
 /// Rules: FRAME-2
 #[test]
 fn the_next_picture_is_drawn_while_one_is_encoded() {
-    let server = Server::start();
-    let mut people = [server.connect("ada")];
+    let (_server, mut people) = Server::start_with(["ada"]);
     open(&mut people[0], [1280, 720]);
     let light = people[0].light();
     let dim = |update: u64| Command::SetLight { light, parameter: EXPOSURE.to(to_and_fro(update)).into() };
     let time = Duration::from_secs(5);
     let frames = drag(&mut people, time, dim);
-    let worked: u64 =
-        frames[0].iter().map(|header| u64::from(header.render_us) + u64::from(header.encode_us)).sum();
-    let worked = Duration::from_micros(worked);
+    let work = |header: &FrameHeader| Duration::from_micros(u64::from(header.render_us) + u64::from(header.encode_us));
+    let worked: Duration = frames[0].iter().map(work).sum();
     // In sequence they could not take longer than the drag.
     assert!(worked > time, "{worked:?} of work in {time:?}, {} frames", frames[0].len());
-    let numbers: Vec<u32> = frames[0].iter().map(|header| header.live_revision).collect();
-    assert!(numbers.is_sorted(), "pictures stay in order");
+    assert!(frames[0].is_sorted_by_key(|header| header.live_revision), "pictures stay in order");
 }

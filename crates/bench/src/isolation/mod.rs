@@ -2,7 +2,6 @@
 //! to drags of features, without and with each kind of other client, and the memory and threads that remain in the
 //! server after the other client has left.
 
-mod acts;
 mod asks;
 mod chart;
 mod drags;
@@ -29,7 +28,8 @@ use self::judge::{JudgedRow, MeasuredWindow};
 pub use self::judge::{MissedBound, VictimPace};
 use self::other::OtherClient;
 pub use self::other::{OtherClientCounts, Writes};
-pub use self::row::{NeighbourRow, ROWS};
+pub use self::row::{IsolationRow, ROWS};
+use self::row::{NOBODY, SLOW_LINK};
 pub use self::usage::BusyThread;
 use self::victim::Victim;
 use crate::{BenchError, Progress, ServerProcess};
@@ -46,9 +46,9 @@ const MIB: f64 = 1024.0 * 1024.0;
 
 /// Options of the benchmark that measures how much one client loses to another.
 #[derive(Clone, Debug)]
-pub struct NeighbourOptions {
+pub struct IsolationOptions {
     /// Rows to measure, each with a server of its own.
-    pub rows: Vec<NeighbourRow>,
+    pub rows: Vec<IsolationRow>,
     /// Width and height of the victim's view in pixels.
     pub size: [u32; 2],
     /// Duration of each of the three periods: alone, with the other client, and alone again.
@@ -64,7 +64,7 @@ pub struct NeighbourOptions {
 /// Results of the benchmark that measures how much one client loses to another.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct NeighbourReport {
+pub struct IsolationReport {
     /// Width of the victim's view in pixels.
     pub width: u32,
     /// Height of the victim's view in pixels.
@@ -83,7 +83,7 @@ pub struct NeighbourReport {
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct RowReport {
-    pub row: NeighbourRow,
+    pub row: IsolationRow,
     /// Description of the other client's action.
     pub what: &'static str,
     /// True if no bound is missed.
@@ -131,10 +131,10 @@ pub struct MemoryReport {
     pub after_mib: f64,
 }
 
-impl NeighbourReport {
+impl IsolationReport {
     /// Returns the names of the rows that miss a bound.
     pub fn missed(&self) -> Vec<&'static str> {
-        self.rows.iter().filter(|row| !row.passes).map(|row| row.row.name()).collect()
+        self.rows.iter().filter(|row| !row.passes).map(|row| row.row.name).collect()
     }
 }
 
@@ -144,19 +144,19 @@ const STEPS: [&str; 6] = ["starts", "prepares", "alone", "with the other", "rest
 /// Measures each row with a `program serve` on new data. Returns the report and the chart in SVG.
 pub fn run(
     program: &Path,
-    options: &NeighbourOptions,
+    options: &IsolationOptions,
     progress: &dyn Fn(Progress),
-) -> Result<(NeighbourReport, String), BenchError> {
+) -> Result<(IsolationReport, String), BenchError> {
     let mut rows = Vec::new();
     for (index, row) in options.rows.iter().enumerate() {
         let of = STEPS.len() * options.rows.len();
         let step = |step: usize| {
             let done = STEPS.len() * index + step;
-            progress(Progress { done, of, what: format!("{}: {}", row.name(), STEPS[step]) });
+            progress(Progress { done, of, what: format!("{}: {}", row.name, STEPS[step]) });
         };
         rows.push(measure(program, *row, options, &step)?);
     }
-    let report = NeighbourReport {
+    let report = IsolationReport {
         width: options.size[0],
         height: options.size[1],
         seconds: options.time.as_secs_f64(),
@@ -170,19 +170,14 @@ pub fn run(
 
 fn measure(
     program: &Path,
-    row: NeighbourRow,
-    options: &NeighbourOptions,
+    row: IsolationRow,
+    options: &IsolationOptions,
     step: &dyn Fn(usize),
 ) -> Result<RowReport, BenchError> {
     step(0);
-    let folder = tempfile::tempdir()?;
-    // The server creates the folder, so that no other user can read it.
-    let data = folder.path().join("data");
-    let backend = options.backend.map_or("auto", Backend::name);
-    let server = ServerProcess::start(program, &data, &["--scene", "demo:vases", "--backend", backend])?;
-    server.wait_until_ready()?;
+    let server = ServerProcess::start_with_new_data(program, "demo:vases", options.backend)?;
     let (address, pid) = (&server.address, server.pid());
-    let link = if row == NeighbourRow::SlowLink { slow_link::open(address)? } else { address.clone() };
+    let link = if row.name == SLOW_LINK.name { slow_link::open(address)? } else { address.clone() };
     let victim = Victim::start(address, &link, options.size)?;
     victim.start_dragging();
     thread::sleep(WARM_UP_TIME);
@@ -192,17 +187,18 @@ fn measure(
     usage::reset_peak(pid)?;
 
     step(1);
-    let other = OtherClient::new(address.clone(), row, pid, options.time, options.many_actors);
-    let act = acts::prepare(row, &other)?;
+    let other = OtherClient::new(address.clone(), row.name, pid, options.time, options.many_actors);
+    let mut act = Some((row.prepare)(&other)?);
     usage::wait_until_at_rest(pid, SETTLE_TIMEOUT)?;
 
     step(2);
     let alone = alone(&victim, options.time);
 
     step(3);
-    let mut act = Some(act);
-    if row.has_views_open() {
-        act.take().map_or(Ok(()), |act| act(&other))?;
+    if row.has_views_open
+        && let Some(act) = act.take()
+    {
+        act(&other)?;
     }
     victim.start_dragging();
     thread::sleep(LEAD_IN_TIME);
@@ -214,9 +210,8 @@ fn measure(
     let seconds = (to - from).as_secs_f64();
     let server_cpu_share = (usage::cpu_s(pid)? - server_cpu) / seconds;
     let bench_cpu_share = (usage::cpu_s(std::process::id())? - bench_cpu) / seconds;
-    let followed_to = victim.follow(to, FOLLOW_TIMEOUT);
+    let with = MeasuredWindow { from, to, followed_to: victim.follow(to, FOLLOW_TIMEOUT) };
     other.leave();
-    let with = MeasuredWindow { from, to, followed_to };
     let left = Instant::now();
     victim.stop_dragging();
 
@@ -232,20 +227,19 @@ fn measure(
     let (alone, with, alone_after) = (timeline.pace(alone), timeline.pace(with), timeline.pace(alone_after));
     let faster = if alone_after.frames_per_second > alone.frames_per_second { alone_after } else { alone };
     let measured = JudgedRow {
-        uses_renderer: row.uses_renderer(),
+        uses_renderer: row.uses_renderer,
         alone: faster,
         with,
         grown_mib: (after.rss_bytes - before.rss_bytes) / MIB,
         busy_threads: &busy_threads,
         writes: other.writes().map(|writes| writes.ratio),
         is_connected: timeline.disconnect_reason.is_none(),
-        is_other_idle: row != NeighbourRow::Nobody
-            && (actions.done == 0 || row.expects_answers() && actions.answered == 0),
+        is_other_idle: row.name != NOBODY.name && (actions.done == 0 || row.expects_answers && actions.answered == 0),
     };
     let missed = measured.missed();
     Ok(RowReport {
         row,
-        what: row.what(),
+        what: row.what,
         passes: missed.is_empty(),
         missed,
         share: measured.share(),
@@ -276,7 +270,7 @@ fn alone(victim: &Victim, time: Duration) -> MeasuredWindow {
     let from = Instant::now();
     thread::sleep(time);
     let to = Instant::now();
-    let followed_to = victim.follow(to, FOLLOW_TIMEOUT);
+    let window = MeasuredWindow { from, to, followed_to: victim.follow(to, FOLLOW_TIMEOUT) };
     victim.stop_dragging();
-    MeasuredWindow { from, to, followed_to }
+    window
 }
