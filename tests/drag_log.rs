@@ -4,8 +4,8 @@
 use std::sync::Arc;
 use std::thread;
 
-use document::{AssetHash, Command, CommandContext, Document, FeatureDrag, solve_drag};
-use drag::{Feature, RadiusMode, Viewport};
+use document::{AssetHash, Command, CommandContext, Document, solve_drag};
+use drag::{Drag, Feature, RadiusMode, Viewport};
 use edit::{Actor, EditRequest, EditSources, Session, UndoScope};
 use glam::DVec2;
 use light::LightId;
@@ -47,19 +47,20 @@ fn demo() -> (Bvh, Viewport, Document) {
 }
 
 /// A drag of a random feature between random pixels, of the whole light or of some control points.
-fn any_drag(random: &mut Random, view: &Viewport) -> FeatureDrag {
+fn any_drag(random: &mut Random, view: &Viewport) -> Drag {
     let features = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
     let radii = [RadiusMode::Keep, RadiusMode::Solve, RadiusMode::Follow];
     let subsets = [None, Some(vec![4]), Some(vec![2, 3]), Some(vec![1, 2, 3, 4])];
     let from = DVec2::new(random.share() * f64::from(SIZE[0]), random.share() * f64::from(SIZE[1]));
     let offset = DVec2::new(random.share() - 0.5, random.share() - 0.5) * 20.0;
-    FeatureDrag {
+    Drag {
         feature: features[random.below(4)],
         points: subsets[random.below(4)].clone(),
         radii: radii[random.below(3)],
         view: view.clone(),
         from,
         to: from + offset,
+        pins: None,
         source_outside: false,
     }
 }

@@ -1,7 +1,6 @@
 //! Commands and camera parameters in JSON.
 
-use document::{CameraId, FeatureDrag, ParameterTarget, PinId};
-use drag::Viewport;
+use document::{CameraId, ParameterTarget, PinId};
 use std::sync::Arc;
 
 use glam::DQuat;
@@ -14,7 +13,7 @@ use crate::error::excerpt;
 use crate::parameter::{ValueSeed, unknown};
 use crate::vector::{Quat, Vec3};
 use crate::words::json_wording;
-use crate::{Camera, DragKind, DragRadii, Light, LightParameter, Pin, PointParameter, Projection, Refused};
+use crate::{Camera, Drag, DragRadii, Light, LightParameter, Pin, PointParameter, Projection, Refused};
 
 /// [`document::Command`] in JSON. `type` selects the variant (SPEC, section 2).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -85,30 +84,7 @@ pub enum Command {
     },
     /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another position in a picture. The
     /// drag keeps the document's pins of the light.
-    DragFeature {
-        /// Id of the light.
-        light: u64,
-        /// Feature to drag.
-        kind: DragKind,
-        /// Indices of the control points that may move. Default: the light moves as a whole.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        points: Option<Vec<usize>>,
-        /// Mode of the radii. Default: `keep`.
-        #[serde(default)]
-        radii: DragRadii,
-        /// Camera of the picture.
-        camera: Camera,
-        /// Width and height of the picture, in pixels.
-        size: [u32; 2],
-        /// Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is
-        /// at .5.
-        from: [f64; 2],
-        /// Target of the feature in the picture, in pixels from the top left corner, like `from`.
-        to: [f64; 2],
-        /// True if the source may not pass through a surface.
-        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-        source_outside: bool,
-    },
+    DragFeature(Box<Drag>),
     /// Adds a pin.
     AddPin { pin: Pin },
     /// Removes a pin.
@@ -245,19 +221,12 @@ impl TryFrom<Command> for document::Command {
                 position: position.into(),
                 radii_follow: radii_follow(radii)?,
             },
-            Command::DragFeature { light, kind, points, radii, camera, size, from, to, source_outside } => {
-                Self::DragFeature {
-                    light: LightId(light),
-                    drag: Box::new(FeatureDrag {
-                        feature: kind.into(),
-                        points,
-                        radii: radii.into(),
-                        view: Viewport { camera: camera.into(), size },
-                        from: from.into(),
-                        to: to.into(),
-                        source_outside,
-                    }),
+            Command::DragFeature(drag) => {
+                if drag.pins.is_some() {
+                    return Err(Refused::DragPins);
                 }
+                let light = LightId(drag.light);
+                Self::DragFeature { light, drag: Box::new(drag.to_domain(drag.camera.clone().into(), |_| true)) }
             }
             Command::AddPin { pin } => Self::AddPin(pin.into()),
             Command::RemovePin { pin } => Self::RemovePin(PinId(pin)),
@@ -359,17 +328,7 @@ impl From<&document::Command> for Command {
                 position: position.to_array(),
                 radii: if *radii_follow { DragRadii::Follow } else { DragRadii::Keep },
             },
-            C::DragFeature { light, drag } => Self::DragFeature {
-                light: light.0,
-                kind: drag.feature.into(),
-                points: drag.points.clone(),
-                radii: drag.radii.into(),
-                camera: (&drag.view.camera).into(),
-                size: drag.view.size,
-                from: drag.from.to_array(),
-                to: drag.to.to_array(),
-                source_outside: drag.source_outside,
-            },
+            C::DragFeature { light, drag } => Self::DragFeature(Box::new(Drag::new(*light, drag))),
             C::AddPin(pin) => Self::AddPin { pin: pin.into() },
             C::RemovePin(pin) => Self::RemovePin { pin: pin.0 },
             C::SetPin { pin, is_hard } => Self::SetPin { pin: pin.0, hard: *is_hard },

@@ -1,11 +1,14 @@
 //! Drags of features, and pins, in JSON: types that drag files (`drag_file.rs`), commands and records share.
 
-use document::{DragOutcome as Outcome, LightPin, PinId};
-use drag::{DragRefusal, Feature, PinKind as Kind, RadiusMode};
+use std::fmt;
+
+use document::{LightPin, PinId};
+use drag::{DragOutcome as Outcome, DragRefusal, Feature, NumberedPin, PinKind as Kind, RadiusMode, Viewport};
 use light::LightId;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::Camera;
 use crate::conversion::same_variants;
 use crate::vector::Vec3;
 
@@ -51,6 +54,97 @@ pub enum PinKind {
     Shadow,
 }
 
+/// [`drag::Drag`] in JSON, with its light. M is the surface seen at `from`, M' the surface seen at `to`.
+// A command has the light's id and a camera with all its values, a drag file the name or index of each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Drag<L = u64, C = Camera> {
+    /// Light: its id, or in a drag file its name or its index.
+    pub light: L,
+    /// Feature to drag.
+    pub kind: DragKind,
+    /// Indices of the control points that may move. Default: the light moves as a whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<Vec<usize>>,
+    /// Mode of the radii. Default: `keep`.
+    #[serde(default)]
+    pub radii: DragRadii,
+    /// Camera of the picture. In a drag file it is a name or an index; default: the first camera, or one that frames
+    /// the scene.
+    pub camera: C,
+    /// Width and height of the picture, in pixels.
+    pub size: [u32; 2],
+    /// Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is at .5.
+    pub from: [f64; 2],
+    /// Target of the feature in the picture, in pixels from the top left corner, like `from`.
+    pub to: [f64; 2],
+    /// Pins that the drag keeps, in a drag file. Default: the document's pins of the light, if there is a document. A
+    /// command has none of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pins: Option<Vec<DragPin>>,
+    /// True if the source may not pass through a surface.
+    #[serde(default, alias = "source_outside", skip_serializing_if = "std::ops::Not::not")]
+    pub source_outside: bool,
+}
+
+impl<L, C> Drag<L, C> {
+    /// Converts to the domain, with the camera that `camera` refers to. Leaves out the pins for which `is_dragged` is
+    /// false, and numbers the others by their index in `pins`.
+    pub fn to_domain(&self, camera: scene::Camera, is_dragged: impl Fn(&NameOrIndex) -> bool) -> drag::Drag {
+        let pins = self.pins.as_ref().map(|pins| {
+            let numbered = pins.iter().zip(0..).filter(|(pin, _)| is_dragged(&pin.light));
+            numbered.map(|(pin, number)| NumberedPin { number, pin: pin.to_domain() }).collect()
+        });
+        drag::Drag {
+            feature: self.kind.into(),
+            points: self.points.clone(),
+            radii: self.radii.into(),
+            view: Viewport { camera, size: self.size },
+            from: self.from.into(),
+            to: self.to.into(),
+            pins,
+            source_outside: self.source_outside,
+        }
+    }
+}
+
+impl Drag {
+    /// Converts a drag of the light to JSON.
+    pub fn new(light: LightId, drag: &drag::Drag) -> Self {
+        let drag::Drag { feature, points, radii, view, from, to, pins, source_outside } = drag;
+        let pin = |pin: &NumberedPin| DragPin::new(light, &pin.pin);
+        Self {
+            light: light.0,
+            kind: (*feature).into(),
+            points: points.clone(),
+            radii: (*radii).into(),
+            camera: (&view.camera).into(),
+            size: view.size,
+            from: from.to_array(),
+            to: to.to_array(),
+            pins: pins.as_ref().map(|pins| pins.iter().map(pin).collect()),
+            source_outside: *source_outside,
+        }
+    }
+}
+
+/// Property at a point that a drag of the light preserves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DragPin {
+    /// Property to preserve.
+    pub kind: PinKind,
+    /// Light, by its name or its index.
+    pub light: NameOrIndex,
+    /// World position on a surface.
+    pub at: Vec3,
+    /// Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub caster: Option<String>,
+    /// True if the pin always holds. False if it holds as far as the drag allows.
+    pub hard: bool,
+}
+
 /// [`LightPin`] in JSON: a property at a point that a drag of the light preserves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
@@ -66,6 +160,36 @@ pub struct Pin {
     pub caster: Option<String>,
     /// True if every drag keeps the pin. False if a drag keeps it only as far as it can.
     pub hard: bool,
+}
+
+/// Name or index of a light or a camera.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "a name or an index")]
+pub enum NameOrIndex {
+    /// Index in the list, from 0.
+    Index(usize),
+    /// Name. The first object of that name is meant.
+    Name(String),
+}
+
+impl NameOrIndex {
+    /// Returns the index of the referenced object in a list with these `names`, or `None` if there is none. If
+    /// several objects share a name, the first one counts.
+    pub fn index_in<'a>(&self, mut names: impl ExactSizeIterator<Item = &'a str>) -> Option<usize> {
+        match self {
+            Self::Index(index) => (*index < names.len()).then_some(*index),
+            Self::Name(expected) => names.position(|name| name == expected),
+        }
+    }
+}
+
+impl fmt::Display for NameOrIndex {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Index(index) => index.fmt(f),
+            Self::Name(name) => name.fmt(f),
+        }
+    }
 }
 
 /// Pin of a document, with its id.
@@ -143,7 +267,10 @@ pub struct DragOutcome {
     /// Limit that stopped a `limited` drag.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<DragLimit>,
-    /// Id of the pin that stopped the drag.
+    /// Reason of a `refused` drag. Records have none, since such a drag changes nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<DragReason>,
+    /// Pin that stopped the drag: its id in the document, or its index in the drag's own `pins`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pin: Option<u64>,
     /// Distance in pixels from `to` to the feature; `null` if the feature is not in the picture.
@@ -161,13 +288,13 @@ pub struct DragOutcome {
 }
 
 /// Fields of the JSON that hold a [`drag::DragStatus`].
-pub(crate) struct StatusFields {
+struct StatusFields {
     pub status: DragStatus,
     pub limit: Option<DragLimit>,
     /// Reason of a refusal.
     pub reason: Option<DragReason>,
     /// Number of the pin that stopped the drag.
-    pub pin: Option<usize>,
+    pub pin: Option<u64>,
 }
 
 impl From<drag::DragStatus> for StatusFields {
@@ -187,6 +314,17 @@ impl From<drag::DragStatus> for StatusFields {
     }
 }
 
+impl DragPin {
+    fn new(light: LightId, pin: &drag::DragPin) -> Self {
+        let drag::DragPin { kind, at, caster, is_hard } = pin.clone();
+        Self { kind: kind.into(), light: NameOrIndex::Index(light.0 as usize), at: at.into(), caster, hard: is_hard }
+    }
+
+    fn to_domain(&self) -> drag::DragPin {
+        drag::DragPin { kind: self.kind.into(), at: self.at.into(), caster: self.caster.clone(), is_hard: self.hard }
+    }
+}
+
 impl From<&LightPin> for Pin {
     fn from(LightPin { light, pin }: &LightPin) -> Self {
         let drag::DragPin { kind, at, caster, is_hard } = pin.clone();
@@ -195,7 +333,8 @@ impl From<&LightPin> for Pin {
 }
 
 impl From<Pin> for LightPin {
-    fn from(Pin { kind, light, at, caster, hard }: Pin) -> Self {
+    fn from(pin: Pin) -> Self {
+        let Pin { kind, light, at, caster, hard } = pin;
         let pin = drag::DragPin { kind: kind.into(), at: at.into(), caster, is_hard: hard };
         Self { light: LightId(light), pin }
     }
@@ -209,13 +348,14 @@ impl From<(PinId, &LightPin)> for DocumentPin {
 
 impl From<&Outcome> for DragOutcome {
     fn from(outcome: &Outcome) -> Self {
-        let StatusFields { status, limit, pin, .. } = outcome.status.into();
+        let StatusFields { status, limit, reason, pin } = outcome.status.into();
         Self {
             solver: outcome.solver.clone(),
             version: outcome.version,
             status,
             limit,
-            pin: pin.map(|pin| pin as u64),
+            reason,
+            pin,
             residual_px: Some(outcome.residual_px).filter(|residual| residual.is_finite()),
             shadowed_by: outcome.shadowed_by.clone(),
             iterations: outcome.iterations,
@@ -238,9 +378,7 @@ impl TryFrom<DragOutcome> for Outcome {
                 DragLimit::NoDescent => drag::DragLimit::NoDescent,
                 DragLimit::SourceInside => drag::DragLimit::SourceInside,
                 DragLimit::TooMuchWork => drag::DragLimit::TooMuchWork,
-                DragLimit::Pin => {
-                    drag::DragLimit::Pin(wire.pin.ok_or("a drag that a pin limits names the pin")? as usize)
-                }
+                DragLimit::Pin => drag::DragLimit::Pin(wire.pin.ok_or("a drag that a pin limits names the pin")?),
             })
         };
         let status = match (wire.status, wire.limit) {

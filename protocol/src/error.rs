@@ -58,6 +58,9 @@ pub enum Refused {
     /// `radii` is `solve` for a drag without a solver.
     #[error("`radii` of `dragPoint` is \"keep\" or \"follow\": \"solve\" is for `dragFeature`")]
     SolvedRadii,
+    /// A drag in a session has pins of its own.
+    #[error("`dragFeature` keeps the pins of the session: `pins` is for drag files")]
+    DragPins,
     /// The parts of a drag's outcome contradict one another.
     #[error("{0}: the log was changed; export it again")]
     Outcome(&'static str),
@@ -86,7 +89,7 @@ impl Refused {
     pub fn code(&self) -> ErrorCode {
         match self {
             Self::Light(error) => error.into(),
-            Self::Asset(_) | Self::Address(_) | Self::SolvedRadii => ErrorCode::BadMessage,
+            Self::Asset(_) | Self::Address(_) | Self::SolvedRadii | Self::DragPins => ErrorCode::BadMessage,
             Self::Edit(error) => error.into(),
             Self::Format { .. } => ErrorCode::Format,
             Self::Younger { .. } | Self::Outcome(_) => ErrorCode::BadLog,

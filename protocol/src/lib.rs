@@ -40,7 +40,9 @@ mod variants;
 mod vector;
 mod words;
 
-pub use self::drag::{DocumentPin, DragKind, DragLimit, DragOutcome, DragRadii, DragReason, DragStatus, Pin, PinKind};
+pub use self::drag::{
+    DocumentPin, Drag, DragKind, DragLimit, DragOutcome, DragRadii, DragReason, DragStatus, Pin, PinKind,
+};
 pub use self::light::Light;
 pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};
 pub use code::{ErrorCode, Problem};

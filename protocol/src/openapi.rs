@@ -12,7 +12,7 @@ use crate::ErrorCode::{
     Stalled, Storage, TooLarge, TooMany, Unauthorized, UnknownAsset, UnknownOutcome, UnsupportedMediaType, WarmingUp,
     WrongKind,
 };
-use crate::drag_file::{Dragged, FileDrag};
+use crate::drag_file::{DragResult, FileDrag};
 use crate::schema::{SchemaSide, definitions, generator, name};
 use crate::{
     Aovs, Asset, DemoScenes, Document, Duplicate, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable,
@@ -210,7 +210,7 @@ fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
             ..post("/sessions/{session}/pick", "pickPoint", pick, &name::<Pick>(g))
         },
         Operation {
-            answer: json_content(&list_of(&name::<Dragged>(g))),
+            answer: json_content(&list_of(&name::<DragResult>(g))),
             codes: &[JSON_CODES, SESSION_CODES, &[Drag, Ambiguous]],
             ..post("/sessions/{session}/drags", "dragFeatures", drag, &list_of(&name::<FileDrag>(g)))
         },

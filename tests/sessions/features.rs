@@ -4,8 +4,8 @@ use std::path::Path;
 use std::process::Command as Program;
 
 use protocol::{
-    Action, Command, DragKind, DragLimit, DragOutcome, DragRadii, DragStatus, ErrorCode, GestureStatus, Pin, PinKind,
-    Record, Scope, parse_body,
+    Action, Command, Drag, DragKind, DragLimit, DragOutcome, DragRadii, DragStatus, ErrorCode, GestureStatus, Pin,
+    PinKind, Record, Scope, parse_body,
 };
 use serde_json::{Value, json};
 
@@ -20,7 +20,7 @@ const SHADOW: [f64; 2] = [430.5, 265.5];
 /// The drag of docs/command-line.md: moves that shadow down the table by `down` pixels.
 fn drag(mirror: &Mirror, points: Option<Vec<usize>>, down: f64) -> Command {
     let camera = mirror.document.cameras().values().next().expect("the demo has a camera");
-    Command::DragFeature {
+    Command::DragFeature(Box::new(Drag {
         light: mirror.light(),
         kind: DragKind::Shadow,
         points,
@@ -29,8 +29,9 @@ fn drag(mirror: &Mirror, points: Option<Vec<usize>>, down: f64) -> Command {
         size: SIZE,
         from: SHADOW,
         to: [SHADOW[0], SHADOW[1] + down],
+        pins: None,
         source_outside: false,
-    }
+    }))
 }
 
 fn outcome(record: &Record) -> DragOutcome {
@@ -226,7 +227,7 @@ fn a_log_is_solved_again() {
         committed(&ada.edited(command));
     }
     let (_, hash) = server.state();
-    let is_drag = |record: &&Record| matches!(record.action, Action::Edit { command: Command::DragFeature { .. }, .. });
+    let is_drag = |record: &&Record| matches!(record.action, Action::Edit { command: Command::DragFeature(_), .. });
     let drags = server.records(0).iter().filter(is_drag).count();
     let file = server.data.path().join("main.jsonl");
     let mut export = Program::new(program());

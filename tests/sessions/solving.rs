@@ -5,7 +5,7 @@ use std::thread;
 use std::time::Duration;
 
 use protocol::{
-    Action, ClientMessage, Command, DragKind, DragRadii, EditResults, ErrorCode, GestureStatus, Record, Scope,
+    Action, ClientMessage, Command, Drag, DragKind, DragRadii, EditResults, ErrorCode, GestureStatus, Record, Scope,
     ServerMessage, parse_body,
 };
 use serde_json::{Value, json};
@@ -42,7 +42,7 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
     let results: EditResults = parse_body(&post("/sessions/main/edits", json!({"edits": edits}))).expect("results");
     mirror.catch_up(results.seq);
     assert_eq!(mirror.document.pins().len(), PINS);
-    Command::DragFeature {
+    Command::DragFeature(Box::new(Drag {
         light: mirror.light(),
         kind: DragKind::Shadow,
         points: Some(vec![1, 2, 3, 4]),
@@ -51,8 +51,9 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
         size: SIZE,
         from: [430.5, 265.5],
         to: [500.5, 200.5],
+        pins: None,
         source_outside: false,
-    }
+    }))
 }
 
 /// Calls `wait`, and `edit` again and again until it returns. Returns the number of edits, and the result.
@@ -250,7 +251,8 @@ fn solves_without_a_waiting_client_end() {
     };
     ended("/sessions/main/edits", json!({"edits": [{"command": drag}, {"command": drag}]}));
     let edited = edits_until_none_is_under_way(&server, &mut ben);
-    let Command::DragFeature { points, size, from, to, .. } = drag else { unreachable!("it is a drag") };
+    let Command::DragFeature(drag) = drag else { unreachable!("it is a drag") };
+    let Drag { points, size, from, to, .. } = *drag;
     let query = json!({"light": 0, "kind": "shadow", "points": points, "radii": "solve", "size": size,
         "from": from, "to": to});
     ended("/sessions/main/drags", json!(vec![query; 20]));

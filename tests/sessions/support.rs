@@ -412,8 +412,8 @@ pub fn moved(position: Vec3, by: Vec3) -> Vec3 {
 
 /// Pixels from which the drag of a feature starts and to which it leads.
 pub fn drag_ends(drag: &mut Command) -> [&mut [f64; 2]; 2] {
-    let Command::DragFeature { from, to, .. } = drag else { panic!("it is a drag of a feature: {drag:?}") };
-    [from, to]
+    let Command::DragFeature(drag) = drag else { panic!("it is a drag of a feature: {drag:?}") };
+    [&mut drag.from, &mut drag.to]
 }
 
 /// `position`, moved to one side at even steps and to the other at odd ones.

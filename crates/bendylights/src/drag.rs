@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use ::drag::{Viewport, drag};
+use ::drag::drag;
 use assets::LoadedScene;
 use cli::LIMITS;
-use light::CheckedLight;
-use protocol::drag_file::{Dragged, FileDrag, NameOrIndex};
+use protocol::drag_file::{DragResult, FileDrag, NameOrIndex};
 use raycast::Bvh;
 use scene::{Camera, framing_camera};
 
@@ -39,7 +38,8 @@ Takes a JSON array of drags:
 Each drag begins with the light of the file, whatever the others do.
 
 Prints an array with an object for each: status (landed: within half a pixel; limited: as near as may be; refused),
-limit, reason, pin, residualPx, shadowedBy, iterations, seconds, fromWorld, toWorld, pivotWorld, and the light.
+limit, reason and pin where there is one, residualPx, shadowedBy, iterations, seconds, fromWorld, toWorld, pivotWorld,
+the light, and the solver with its version.
 
 Example:
   bendylights drag demo:vases drags.json
@@ -78,35 +78,22 @@ pub fn run(args: &Args) -> Result<(), Error> {
             if !file_drag.size.iter().all(|side| (1..=LIMITS.max_side).contains(side)) {
                 return Err(Error::BadDrag { file: file.clone(), index, max_side: LIMITS.max_side });
             }
-            let view = viewport(&args.scene, &bvh, &contents.cameras, file_drag)?;
-            let is_dragged = |wanted: &NameOrIndex| wanted.index_in(names()) == Some(light);
-            Ok(answered(&bvh, &view, &lights[light], file_drag, is_dragged))
+            let began = Instant::now();
+            let camera = camera(&args.scene, &bvh, &contents.cameras, file_drag)?;
+            let domain = file_drag.to_domain(camera, |wanted| wanted.index_in(names()) == Some(light));
+            let result = drag(&bvh, &lights[light], &domain, &[]);
+            let result = DragResult::new(&result, began.elapsed().as_secs_f64());
+            Ok(serde_json::to_string(&result).expect("finite numbers and string keys"))
         })
         .collect();
     Ok(print_objects(&objects?)?)
 }
 
-/// Executes a drag, and returns its result as JSON.
-fn answered(
-    bvh: &Bvh,
-    view: &Viewport,
-    light: &CheckedLight,
-    file_drag: &FileDrag,
-    is_dragged: impl Fn(&NameOrIndex) -> bool,
-) -> String {
-    let began = Instant::now();
-    let (domain, pins) = file_drag.to_domain(is_dragged);
-    let result = drag(bvh, view, light, &domain);
-    let seconds = began.elapsed().as_secs_f64();
-    let name = |node: usize| bvh.posed.scene.nodes[node].name.clone();
-    serde_json::to_string(&Dragged::new(&result, &pins, name, seconds)).expect("finite numbers and string keys")
-}
-
-/// Returns the picture of a drag.
-fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &FileDrag) -> Result<Viewport, Error> {
+/// Returns the camera of a drag.
+fn camera(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &FileDrag) -> Result<Camera, Error> {
     let [width, height] = drag.size;
     let framing = || framing_camera(&bvh.posed.subject_bounds(), f64::from(width) / f64::from(height));
-    let camera = match &drag.camera {
+    Ok(match &drag.camera {
         None => cameras.first().cloned().unwrap_or_else(framing),
         Some(wanted) => {
             let names = || cameras.iter().map(|camera| camera.name.as_str());
@@ -118,6 +105,5 @@ fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &FileDrag) -> Resu
                 choices: choices(names()),
             })?
         }
-    };
-    Ok(Viewport { camera, size: drag.size })
+    })
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use document::{AssetHash, Command, CommandContext, Document, DragOutcome, EditError, execute_command, solve_drag};
-use drag::SOLVER;
+use document::{AssetHash, Command, CommandContext, Document, EditError, execute_command, solve_drag};
+use drag::{DragOutcome, SOLVER};
 use edit::Session;
 use glam::DQuat;
 use light::{Light, LightId};
@@ -148,7 +148,7 @@ impl<'a> Resolver<'a> {
 /// Returns true if the action has a command that a solver executes.
 fn holds_drag(action: &Action) -> bool {
     let is_drag =
-        |command: &WireCommand| matches!(command, WireCommand::DragFeature { .. } | WireCommand::DragPoint { .. });
+        |command: &WireCommand| matches!(command, WireCommand::DragFeature(_) | WireCommand::DragPoint { .. });
     match action {
         Action::Edit { command, .. } | Action::Gesture { command, .. } => is_drag(command),
         Action::Group { edits, .. } => edits.iter().any(|edit| is_drag(&edit.command)),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use drag::RadiusMode;
+use drag::{DragOutcome, DragResult, RadiusMode};
 use light::{CheckedLight, Light, LightId, LightShape, MAX_NAME_BYTES, ParameterOwner, SceneBounds, Setting};
 use scene::Camera;
 
@@ -14,8 +14,8 @@ use crate::naming::quoted;
 use crate::pins::{MAX_PINS, check_pin, pin_addition, pin_change, pin_removals};
 use crate::points::{point_move_changes, renumbering_change};
 use crate::{
-    AssetHash, CameraId, CameraParameter, Change, Command, Document, DragOutcome, EditError, NumberedLight,
-    PointNumbering, SceneContents, SceneRef, SolvedDrag,
+    AssetHash, CameraId, CameraParameter, Change, Command, Document, EditError, NumberedLight, PointNumbering,
+    SceneContents, SceneRef,
 };
 
 /// Maximum number of lights in a document. Each has a shadow map.
@@ -34,7 +34,7 @@ pub struct CommandContext<'a> {
     pub loaded: Option<&'a SceneContents>,
     /// Result of solving this command's drag of a feature in this document, by [`crate::solve_drag`]; `None` if it is
     /// not available.
-    pub solved: Option<&'a SolvedDrag>,
+    pub solved: Option<&'a DragResult>,
 }
 
 /// Result of a command.

@@ -1,11 +1,12 @@
 //! Commands: the closed set of requests for edits of a document.
 
+use drag::Drag;
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 use light::{CheckedLight, LightId, Setting};
 
-use crate::{AssetHash, CameraId, FeatureDrag, LightPin, PinId};
+use crate::{AssetHash, CameraId, LightPin, PinId};
 use scene::{Camera, Projection};
 
 /// Request for an edit. [`crate::execute_command`] turns it into changes or refuses it.
@@ -56,7 +57,7 @@ pub enum Command {
     /// computes the result, which [`crate::CommandContext::solved`] carries.
     DragFeature {
         light: LightId,
-        drag: Box<FeatureDrag>,
+        drag: Box<Drag>,
     },
     /// Adds a pin, which keeps a feature of its light unchanged in drags.
     AddPin(LightPin),

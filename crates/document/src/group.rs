@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::mem::discriminant;
 
+use drag::{DragOutcome, DragResult};
 use light::{LightId, SceneBounds};
 
 use crate::{
-    CameraId, Change, Command, CommandContext, ControlPoints, Document, DragOutcome, EditError, NumberedLight, PinId,
-    SolvedDrag, execute_command,
+    CameraId, Change, Command, CommandContext, ControlPoints, Document, EditError, NumberedLight, PinId,
+    execute_command,
 };
 
 /// Command of a group, with the solution of its drag.
@@ -16,7 +17,7 @@ pub struct GroupedCommand {
     /// Command, for the document as the commands before it leave it.
     pub command: Command,
     /// Result of the command's drag of a feature for that document, as in [`CommandContext::solved`].
-    pub solved: Option<SolvedDrag>,
+    pub solved: Option<DragResult>,
 }
 
 /// Result of the commands of a group.

@@ -14,7 +14,6 @@ mod camera;
 mod change;
 mod command;
 mod document;
-mod feature_drag;
 mod features;
 mod group;
 mod hash;
@@ -33,8 +32,8 @@ pub use document::{
     AssetHash, CameraId, ControlPoints, Document, InvalidAssetHash, NumberedLight, PointNumbering, SceneContents,
     SceneRef,
 };
-pub use feature_drag::{DragOutcome, FeatureDrag};
-pub use features::{MAX_CHOSEN_POINTS, SolvedDrag, solve_drag, solve_drag_budgeted};
+pub use drag::DragOutcome;
+pub use features::{MAX_CHOSEN_POINTS, check_drag, solve_drag, solve_drag_budgeted};
 pub use group::{GroupResult, GroupedCommand, execute_group};
 pub use hash::{DocumentHash, FIRST_FORMAT_OF_HASH, was_in_format_2};
 pub use naming::describe_changes;

@@ -42,7 +42,12 @@ pub(crate) fn pin_removals(document: &Document, goes: impl Fn(&LightPin) -> bool
 
 /// Checks that a pin is within limits.
 pub(crate) fn check_pin(held: &LightPin) -> Result<(), EditError> {
-    let DragPin { at, caster, .. } = &held.pin;
+    check_drag_pin(&held.pin)
+}
+
+/// Checks that a pin of a drag is within limits.
+pub(crate) fn check_drag_pin(pin: &DragPin) -> Result<(), EditError> {
+    let DragPin { at, caster, .. } = pin;
     if caster.as_ref().is_some_and(|caster| caster.len() > MAX_PATH_BYTES) {
         return Err(EditError::TooLong { field: "caster", limit: MAX_PATH_BYTES });
     }

@@ -5,6 +5,7 @@ use light::{CheckedLight, LightRays};
 use raycast::{Bvh, SeenPoint};
 use scene::ViewRay;
 
+use crate::SOLVER;
 use crate::direct::{other_solutions, solve_with_pins};
 use crate::dragged_feature::DraggedFeature;
 use crate::goal::{Goal, Objective, TakenFeature, TrackedPoints};
@@ -12,7 +13,9 @@ use crate::moves::Unknowns;
 use crate::occlusion::Occlusion;
 use crate::pins::PinState;
 use crate::point_in_light::{PointInLight, SceneLight};
-use crate::request::{Drag, DragLimit, DragRefusal, DragResult, DragStatus, Feature, Viewport};
+use crate::request::{
+    Drag, DragLimit, DragOutcome, DragRefusal, DragResult, DragStatus, Feature, NumberedPin, Viewport,
+};
 use crate::scene_visibility::SceneVisibility;
 use crate::solve::solve;
 use crate::step::{Iterate, Solution};
@@ -29,37 +32,62 @@ const CHECK_COST_STEPS: u64 = 1_000;
 /// source or from the point under the cursor.
 const SAME_POINT_TOLERANCE: f64 = 1e-6;
 
-/// Drags a feature of `light` from one point of a picture to another.
-pub fn drag(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag) -> DragResult {
-    drag_budgeted(bvh, view, light, drag, &WorkBudget::new(&|_| true))
+/// Drags a feature of `light` from one point of a picture to another. Keeps `pins` if the drag has none of its own.
+pub fn drag(bvh: &Bvh, light: &CheckedLight, drag: &Drag, pins: &[NumberedPin]) -> DragResult {
+    drag_budgeted(bvh, light, drag, pins, &WorkBudget::new(&|_| true))
 }
 
 /// Drags a feature like [`drag`] and counts the steps in `work`. If `work` is cancelled, the result has no meaning.
-pub fn drag_budgeted(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag, work: &WorkBudget) -> DragResult {
-    let origin = bvh.posed.origin_in_world;
-    let spend = |boxes| work.spend_on_rays(boxes);
-    let seen = |pixel: DVec2| bvh.visible_point_budgeted(&ViewRay::new(&view.camera, view.size, pixel, origin), spend);
-    let (from, to) = (seen(drag.from), seen(drag.to));
-    let mut result = DragResult {
-        status: DragStatus::Refused(DragRefusal::NothingAtStart),
-        light: light.light().clone(),
-        residual_px: f64::INFINITY,
-        shadowed_by: None,
-        iterations: 0,
-        from_world: from.map(|seen| seen.position + origin),
-        to_world: to.map(|seen| seen.position + origin),
-        pivot_world: None,
-    };
+pub fn drag_budgeted(
+    bvh: &Bvh,
+    light: &CheckedLight,
+    drag: &Drag,
+    pins: &[NumberedPin],
+    work: &WorkBudget,
+) -> DragResult {
+    let pins = drag.pins.as_deref().unwrap_or(pins);
+    let (picked, mut result) = pick(bvh, light, drag, work);
     let occlusion = Occlusion::new(bvh, light, work);
-    match build_goal(&occlusion, light, drag, from, to) {
+    match build_goal(&occlusion, light, drag, pins, picked) {
         _ if work.is_exhausted() => limit_unmoved(&mut result, drag),
-        Err(refusal) => result.status = DragStatus::Refused(refusal),
+        Err(refusal) => result.outcome.status = DragStatus::Refused(refusal),
         Ok((goal, taken, near)) => {
-            result.pivot_world = taken.pivot.map(|pivot| pivot + origin);
-            solve_and_judge(&occlusion, view, drag, goal, &taken, &near, &mut result);
+            result.outcome.pivot_world = taken.pivot.map(|pivot| pivot + bvh.posed.origin_in_world);
+            solve_and_judge(&occlusion, drag, goal, &taken, &near, &mut result);
         }
     }
     result
+}
+
+/// Picks the surfaces at the start of the drag and under the cursor. Also returns the result of a drag that is refused.
+pub(crate) fn pick(
+    bvh: &Bvh,
+    light: &CheckedLight,
+    drag: &Drag,
+    work: &WorkBudget,
+) -> ([Option<SeenPoint>; 2], DragResult) {
+    let origin = bvh.posed.origin_in_world;
+    let picked = [drag.from, drag.to].map(|pixel| seen_at(bvh, &drag.view, pixel, work));
+    let [from_world, to_world] = picked.map(|seen| seen.map(|seen| seen.position + origin));
+    let (solver, version) = SOLVER;
+    let outcome = DragOutcome {
+        solver: solver.into(),
+        version,
+        status: DragStatus::Refused(DragRefusal::NothingAtStart),
+        residual_px: f64::INFINITY,
+        shadowed_by: None,
+        iterations: 0,
+        from_world,
+        to_world,
+        pivot_world: None,
+    };
+    (picked, DragResult { light: light.light().clone(), outcome })
+}
+
+/// Returns the surface that a pixel shows.
+pub(crate) fn seen_at(bvh: &Bvh, view: &Viewport, pixel: DVec2, work: &WorkBudget) -> Option<SeenPoint> {
+    let ray = ViewRay::new(&view.camera, view.size, pixel, bvh.posed.origin_in_world);
+    bvh.visible_point_budgeted(&ray, |boxes| work.spend_on_rays(boxes))
 }
 
 /// Builds the goal of the drag and the values of `t` to track, or returns the reason to refuse the drag.
@@ -67,8 +95,8 @@ fn build_goal<'a>(
     occlusion: &Occlusion<'a>,
     light: &'a CheckedLight,
     drag: &Drag,
-    from: Option<SeenPoint>,
-    to: Option<SeenPoint>,
+    pins: &[NumberedPin],
+    [from, to]: [Option<SeenPoint>; 2],
 ) -> Result<(Goal<'a>, TakenFeature, TrackedPoints), DragRefusal> {
     if drag.points.is_some() && light.tube().is_none() {
         return Err(DragRefusal::NotBendy);
@@ -87,7 +115,7 @@ fn build_goal<'a>(
         Feature::Shadow => Some(occlusion.first_caster(&placed, &coords, &from).ok_or(DragRefusal::NoShadow)?),
         _ => None,
     };
-    let pins = drag.pins.iter().enumerate().map(|(index, pin)| PinState::new(occlusion, &placed, index, pin));
+    let pins = pins.iter().map(|pin| PinState::new(occlusion, &placed, pin));
     let pins: Vec<PinState> = pins.filter_map(Result::transpose).collect::<Result<_, _>>()?;
     let mut near = vec![[coords.t, caster.map_or(0.0, |caster| caster.t)]];
     near.extend(pins.iter().map(PinState::start_t));
@@ -105,7 +133,7 @@ fn build_goal<'a>(
 }
 
 /// Selects the unknowns of the drag. `unit` is the unit of length of a rigid motion, in world units.
-fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unknowns, DragRefusal> {
+pub(crate) fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unknowns, DragRefusal> {
     let Some(points) = &drag.points else {
         let is_directional = matches!(light.rays(), LightRays::Parallel(_));
         return Ok(if is_directional { Unknowns::Turn } else { Unknowns::Rigid { unit } });
@@ -127,7 +155,6 @@ fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unkno
 /// Solves the drag and writes the result to `result`.
 fn solve_and_judge(
     occlusion: &Occlusion,
-    view: &Viewport,
     drag: &Drag,
     mut goal: Goal,
     taken: &TakenFeature,
@@ -136,14 +163,14 @@ fn solve_and_judge(
 ) {
     let work = occlusion.work;
     let visibility = SceneVisibility { occlusion, source_outside: drag.source_outside };
-    let judge = ResultJudge { view, drag, occlusion, taken };
+    let judge = ResultJudge { drag, occlusion, taken };
     let has_no_effect = goal.has_no_effect(near);
     let first = if has_no_effect { None } else { solve(&mut goal, near, &visibility) };
     let unjudged = result.clone();
     match &first {
         _ if work.is_exhausted() => {}
-        _ if has_no_effect => result.status = DragStatus::Refused(DragRefusal::NoWeight),
-        None => result.status = DragStatus::Refused(DragRefusal::OutsideTheLight),
+        _ if has_no_effect => result.outcome.status = DragStatus::Refused(DragRefusal::NoWeight),
+        None => result.outcome.status = DragStatus::Refused(DragRefusal::OutsideTheLight),
         Some(first) => judge.judge(&goal, first, result),
     }
     if work.is_exhausted() {
@@ -151,14 +178,15 @@ fn solve_and_judge(
         return;
     }
     let Some(first) = first else { return };
-    if !matches!(result.status, DragStatus::Limited(_)) || goal.pins.is_empty() {
+    if !matches!(result.outcome.status, DragStatus::Limited(_)) || goal.pins.is_empty() {
         return;
     }
     let first_landing = result.clone();
     try_other_solutions(&goal, &first, near, &visibility, &judge, result);
     if work.is_exhausted() {
         // The first result holds.
-        *result = DragResult { status: DragStatus::Limited(DragLimit::TooMuchWork), ..first_landing };
+        *result = first_landing;
+        result.outcome.status = DragStatus::Limited(DragLimit::TooMuchWork);
     }
 }
 
@@ -175,7 +203,7 @@ fn try_other_solutions(
     let lands = |found: &Solution| {
         let mut result = result.clone();
         judge.judge(goal, found, &mut result);
-        (result.status == DragStatus::Landed).then_some(result)
+        (result.outcome.status == DragStatus::Landed).then_some(result)
     };
     let Some(free) = solve_with_pins(goal, near, visibility, |_| false).filter(|free| lands(free).is_some()) else {
         return;
@@ -184,23 +212,22 @@ fn try_other_solutions(
         other_solutions(goal, near, visibility, [&first.iterate.x, &free.iterate.x]).find_map(|other| lands(&other));
     if let Some(found) = found {
         *result = found;
-    } else if !matches!(result.status, DragStatus::Limited(DragLimit::Pin(_)))
+    } else if !matches!(result.outcome.status, DragStatus::Limited(DragLimit::Pin(_)))
         && let Some(limit) = visibility.violated_limit(goal, &free.iterate.x)
     {
-        result.status = DragStatus::Limited(limit);
+        result.outcome.status = DragStatus::Limited(limit);
     }
 }
 
 /// Writes the result of a drag that spent its budget and leaves the light as it was at the start.
-fn limit_unmoved(result: &mut DragResult, drag: &Drag) {
-    result.status = DragStatus::Limited(DragLimit::TooMuchWork);
-    result.residual_px = drag.from.distance(drag.to);
+pub(crate) fn limit_unmoved(result: &mut DragResult, drag: &Drag) {
+    result.outcome.status = DragStatus::Limited(DragLimit::TooMuchWork);
+    result.outcome.residual_px = drag.from.distance(drag.to);
 }
 
 /// Judge of a light that the solver found. It checks the light with rays of its own and uses none of the solver's
 /// numbers.
 struct ResultJudge<'a> {
-    view: &'a Viewport,
     drag: &'a Drag,
     occlusion: &'a Occlusion<'a>,
     taken: &'a TakenFeature,
@@ -230,30 +257,30 @@ impl ResultJudge<'_> {
         let Some(found) = found.filter(holds) else { return unmoved };
         let mut moved = unjudged;
         self.judge(&goal, found, &mut moved);
-        if work.is_exhausted() || moved.residual_px >= unmoved.residual_px {
+        if work.is_exhausted() || moved.outcome.residual_px >= unmoved.outcome.residual_px {
             return unmoved;
         }
-        if moved.status != DragStatus::Landed {
-            moved.status = DragStatus::Limited(DragLimit::TooMuchWork);
+        if moved.outcome.status != DragStatus::Landed {
+            moved.outcome.status = DragStatus::Limited(DragLimit::TooMuchWork);
         }
         moved
     }
 
     /// Judges a light that the solver found, and writes the result to `result`.
     fn judge(&self, goal: &Goal, found: &Solution, result: &mut DragResult) {
-        let Self { view, drag, occlusion, taken } = *self;
+        let Self { drag, occlusion, taken } = *self;
         let Solution { iterate: Iterate { x, evaluation }, strongest_limit, iterations } = found;
         goal.work().spend(CHECK_COST_STEPS * goal.start.light().points().len() as u64);
-        result.iterations += iterations;
+        result.outcome.iterations += iterations;
         let Ok(moved) = CheckedLight::new(goal.unknowns.light(goal.start.light(), x)) else {
-            result.status = DragStatus::Limited(DragLimit::Fold);
+            result.outcome.status = DragStatus::Limited(DragLimit::Fold);
             return;
         };
         result.light = moved.light().clone();
         let placed = goal.scene_light.with(moved.rays());
         let near = evaluation.tracked[0];
-        result.residual_px =
-            DraggedFeature { bvh: occlusion.bvh, view, taken, placed: &placed }.distance_px(near, drag.to);
+        result.outcome.residual_px =
+            DraggedFeature { bvh: occlusion.bvh, view: &drag.view, taken, placed: &placed }.distance_px(near, drag.to);
         // If paths of a light overlap, the root that counts may differ from the tracked one.
         let counts = placed.locate(taken.to.position, None);
         let is_tracked = |counts: Option<PointInLight>, tracked: f64| {
@@ -264,7 +291,7 @@ impl ResultJudge<'_> {
         let first = counts.and_then(|coords| occlusion.first_caster(&placed, &coords, &taken.to));
         let is_dark = first.is_some() && counts.is_some_and(|coords| occlusion.is_unlit(&placed, &coords, &taken.to));
         let least_px = if taken.feature == Feature::Diffuse { 0.0 } else { CONVERGED_PX };
-        result.status = if result.residual_px > least_px {
+        result.outcome.status = if result.outcome.residual_px > least_px {
             DragStatus::Limited(strongest_limit.unwrap_or(DragLimit::NoDescent))
         } else if !is_inside {
             DragStatus::Limited(DragLimit::TubeEdge)
@@ -274,9 +301,9 @@ impl ResultJudge<'_> {
         } else {
             DragStatus::Landed
         };
-        result.shadowed_by = None;
+        result.outcome.shadowed_by = None;
         let (Some(first), Some(pivot)) = (first, taken.pivot) else { return };
         let is_the_pivot = pivot.distance(first.position) < SAME_POINT_TOLERANCE * pivot.distance(taken.to.position);
-        result.shadowed_by = (!is_the_pivot).then_some(first.node);
+        result.outcome.shadowed_by = (!is_the_pivot).then(|| occlusion.bvh.posed.scene.nodes[first.node].name.clone());
     }
 }

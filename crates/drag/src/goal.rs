@@ -108,7 +108,7 @@ impl Evaluation {
 
 impl TakenFeature {
     /// Returns the target of the feature at a share of the path: its position, and the direction to the light there.
-    fn target(&self, share: f64) -> (DVec3, DVec3) {
+    pub fn target(&self, share: f64) -> (DVec3, DVec3) {
         let [from, to] = self.directions;
         (self.from.position.lerp(self.to.position, share), slerp(from, to, share))
     }
@@ -152,7 +152,7 @@ impl TakenFeature {
     }
 
     /// Returns a unit vector orthogonal to the target direction at every share of the path.
-    fn axis(&self) -> DVec3 {
+    pub fn axis(&self) -> DVec3 {
         let [from, to] = self.directions;
         from.cross(to).try_normalize().unwrap_or_else(|| from.any_orthonormal_vector())
     }
@@ -220,7 +220,7 @@ impl<'a> Goal<'a> {
         for (pin, near) in self.pins.iter().zip(&near[1..]) {
             let (at, coords) = pin.add_residual(&placed, *near, &mut residual, &mut bounds)?;
             tracked.push(at);
-            for tangent in self.tangents.iter().filter(|tangent| tangent.pin() == Some(pin.index)) {
+            for tangent in self.tangents.iter().filter(|tangent| tangent.pin() == Some(pin.number)) {
                 bounds.push(tangent.pin_bound(&placed, &coords, pin)?);
             }
         }
@@ -306,7 +306,7 @@ impl<'a> Goal<'a> {
         let most = of_objective.iter().fold(0.0, |most: f64, multiplier| most.max(multiplier.abs()));
         // Smaller multipliers come from rounding.
         let least = 1e-6 * most;
-        let pins = self.pins.iter().flat_map(|pin| pin.row_holds().map(|hold| (hold, DragLimit::Pin(pin.index))));
+        let pins = self.pins.iter().flat_map(|pin| pin.row_holds().map(|hold| (hold, DragLimit::Pin(pin.number))));
         let of_pins = pins
             .zip(of_pins)
             .filter(|((hold, _), multiplier)| *hold == Hold::Fixed && multiplier.abs() > least)

@@ -16,6 +16,8 @@
 //! (unknowns).
 
 mod bound;
+mod by_picture;
+mod chain;
 mod direct;
 mod drag;
 mod dragged_feature;
@@ -24,8 +26,11 @@ mod goal;
 mod matrix;
 mod moves;
 mod occlusion;
+mod penalized;
+mod picture_metric;
 mod pins;
 mod point_in_light;
+mod problem;
 mod quadratic;
 mod reach;
 mod request;
@@ -36,10 +41,12 @@ mod start;
 mod step;
 mod work;
 
+pub use by_picture::drag_by_picture;
 pub use drag::{drag, drag_budgeted};
 pub use dragged_feature::highlight_near;
 pub use request::{
-    Drag, DragLimit, DragPin, DragRefusal, DragResult, DragStatus, Feature, PinKind, RadiusMode, Viewport,
+    Drag, DragLimit, DragOutcome, DragPin, DragRefusal, DragResult, DragStatus, Feature, NumberedPin, PinKind,
+    RadiusMode, Viewport,
 };
 pub use slide::{Slide, slide_point};
 pub use work::{MAX_DRAG_STEPS, STEPS_BETWEEN_CHECKS, WorkBudget};

@@ -75,7 +75,10 @@ impl Unknowns {
     /// Returns the rays of the light that the unknowns `x` give. `None` if the light cannot be evaluated.
     pub fn rays(&self, start: &CheckedLight, x: &[f64]) -> Option<LightRays> {
         if let (Self::Points { .. }, Some(tube)) = (self, start.tube()) {
-            return tube.with_points(start.light(), &self.points(start.light(), x)).ok().map(LightRays::Bent);
+            return tube
+                .with_points_that_may_fold(start.light(), &self.points(start.light(), x))
+                .ok()
+                .map(LightRays::Bent);
         }
         let (translation, rotation) = self.placement(start.light(), x);
         let rotation = DMat3::from_quat(rotation);

@@ -6,7 +6,7 @@ use crate::bound::{Bound, bounds_at, cross_error, direction_error, distance_behi
 use crate::occlusion::{Contact, Occlusion, ShadowCaster};
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::quadratic::Hold;
-use crate::request::{DragLimit, DragPin, DragRefusal, PinKind};
+use crate::request::{DragLimit, DragRefusal, NumberedPin, PinKind};
 
 /// Softness of soft pins: an error of 0.1 (radii or radians) weighs as much as a change of three lengths of the light.
 const SOFT_PIN_COMPLIANCE: f64 = 1e-3;
@@ -25,8 +25,8 @@ const SHADOW_EDGE_MARGIN: f64 = 2e-3;
 /// Pin, with its state at the start of the drag.
 #[derive(Clone, Debug)]
 pub(crate) struct PinState {
-    /// Index of the pin in the request.
-    pub index: usize,
+    /// Number of the pin in the outcome.
+    pub number: u64,
     pub kind: PinKind,
     pub is_hard: bool,
     /// Pinned point, in scene space.
@@ -48,17 +48,13 @@ pub(crate) struct PinState {
 impl PinState {
     /// Makes the state of a pin that is fulfilled at the start of the drag. Returns `Ok(None)` for a soft pin that is
     /// not fulfilled, and an error for a hard one.
-    pub fn new(
-        occlusion: &Occlusion,
-        placed: &SceneLight,
-        index: usize,
-        pin: &DragPin,
-    ) -> Result<Option<Self>, DragRefusal> {
-        let found = Self::if_held(occlusion, placed, index, pin);
-        if found.is_none() && pin.is_hard { Err(DragRefusal::PinDoesNotHold(index)) } else { Ok(found) }
+    pub fn new(occlusion: &Occlusion, placed: &SceneLight, pin: &NumberedPin) -> Result<Option<Self>, DragRefusal> {
+        let found = Self::if_held(occlusion, placed, pin);
+        if found.is_none() && pin.pin.is_hard { Err(DragRefusal::PinDoesNotHold(pin.number)) } else { Ok(found) }
     }
 
-    fn if_held(occlusion: &Occlusion, placed: &SceneLight, index: usize, pin: &DragPin) -> Option<Self> {
+    fn if_held(occlusion: &Occlusion, placed: &SceneLight, pin: &NumberedPin) -> Option<Self> {
+        let NumberedPin { number, pin } = pin;
         let (bvh, posed) = (occlusion.bvh, &occlusion.bvh.posed);
         let point = pin.at - posed.origin_in_world;
         let coords = placed.locate(point, None).filter(|coords| placed.contains(coords))?;
@@ -73,7 +69,7 @@ impl PinState {
             ([smooth, if flat.dot(smooth) > 0.0 { flat } else { smooth }], offset)
         });
         let pinned = Self {
-            index,
+            number: *number,
             kind: pin.kind,
             is_hard: pin.is_hard,
             point,
@@ -157,8 +153,8 @@ impl PinState {
         } else {
             (placed.locate(self.point, Some(near[0]))?, 0.0)
         };
-        let bound = |value| Bound { value, limit: DragLimit::Pin(self.index), compliance: self.compliance() };
-        bounds_at(placed, &coords, [DragLimit::Pin(self.index); 2], self.compliance(), 0.0, bounds);
+        let bound = |value| Bound { value, limit: DragLimit::Pin(self.number), compliance: self.compliance() };
+        bounds_at(placed, &coords, [DragLimit::Pin(self.number); 2], self.compliance(), 0.0, bounds);
         if self.kind == PinKind::Lit {
             bounds.extend(self.normals.map(|normal| {
                 let least = SHADOW_EDGE_MARGIN.min(0.5 * self.start_coords.along_path.dot(normal));
@@ -191,8 +187,8 @@ impl PinState {
 pub(crate) enum OcclusionTangent {
     /// Tangent of the edge of a shadow.
     ShadowEdge {
-        /// Index of the pin whose point crossed the shadow edge.
-        pin: usize,
+        /// Number of the pin whose point crossed the shadow edge.
+        pin: u64,
         /// Caster point that casts the shadow edge, in scene space.
         caster: DVec3,
         /// Distance of that caster point along the light.
@@ -214,8 +210,8 @@ pub(crate) enum OcclusionTangent {
 }
 
 impl OcclusionTangent {
-    /// Returns the index of the pin whose point crossed the shadow edge; `None` for a surface.
-    pub fn pin(&self) -> Option<usize> {
+    /// Returns the number of the pin whose point crossed the shadow edge; `None` for a surface.
+    pub fn pin(&self) -> Option<u64> {
         if let Self::ShadowEdge { pin, .. } = self { Some(*pin) } else { None }
     }
 
@@ -225,7 +221,7 @@ impl OcclusionTangent {
         let edge = placed.locate(*caster, Some(*t))?;
         let coords = &pin.shadow_coords(placed, coords)?;
         let value = -cross_error(edge.cross_coords, coords, &pin.start_coords).dot(*allowed) - SHADOW_EDGE_MARGIN;
-        Some(Bound { value, limit: DragLimit::Pin(pin.index), compliance: pin.compliance() })
+        Some(Bound { value, limit: DragLimit::Pin(pin.number), compliance: pin.compliance() })
     }
 
     /// Computes the distance of the source from the surface, as a limit. `None` for a shadow edge.

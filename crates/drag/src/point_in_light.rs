@@ -11,6 +11,10 @@ const STEPS_OF_PLACE: u64 = 300;
 const STEPS_OF_STRAIGHT_PLACE: u64 = 60;
 const STEPS_OF_ROOT: u64 = 50;
 
+/// Samples of a segment in the search for the part of a tube that is nearest to a point outside, and the cost of one.
+const SAMPLES_OF_SEGMENT: usize = 4;
+const STEPS_OF_SAMPLE: u64 = 10;
+
 /// Light coordinates of a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PointInLight {
@@ -161,6 +165,68 @@ impl<'a> SceneLight<'a> {
             }
         };
         Some((self.locate(point, Some(near))?, irradiance.map_or(0.0, DVec3::max_element)))
+    }
+
+    /// Returns `t` of the light's axis nearest to a point, in radii, whether or not the light contains the point. `None`
+    /// behind a source.
+    pub fn nearest_t(&self, point: DVec3) -> Option<f64> {
+        let LightRays::Bent(tube) = self.rays else { return self.locate(point, None).map(|coords| coords.t) };
+        if let Some(coords) = self.locate(point, None) {
+            return Some(coords.t);
+        }
+        let q = tube_from_source(tube, point - self.source());
+        let count = SAMPLES_OF_SEGMENT * tube.segments.len();
+        if !self.work.spend(STEPS_OF_SAMPLE * count as u64) {
+            return None;
+        }
+        let distance = |sample: usize| {
+            let t = (sample as f64 + 0.5) / SAMPLES_OF_SEGMENT as f64;
+            let (segment, u) = tube.segment_at(t);
+            let curve = &tube.segments[segment].curve;
+            (curve.offset(q, u).length() / curve.radius(u).max(f64::MIN_POSITIVE), t)
+        };
+        (0..count).map(distance).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, t)| t)
+    }
+
+    /// Computes the light coordinates, and the largest component of the unshadowed irradiance on a surface orthogonal
+    /// to the light there. Outside the light's edge it is the irradiance at the edge.
+    pub fn locate_with_edge_irradiance(&self, point: DVec3, near: f64) -> Option<(PointInLight, f64)> {
+        const EDGE: f64 = 0.999;
+        let inside = |across: DVec2| across * (EDGE / across.length()).min(1.0);
+        let from_source = point - self.source();
+        let (coords, across, path_length, emission) = if let LightRays::Bent(tube) = self.rays {
+            if !self.work.spend(self.locate_cost_steps(true)) {
+                return None;
+            }
+            let root = track_root(tube, tube_from_source(tube, from_source), near);
+            let coords = tube_coords(tube, &root);
+            let emission = tube.segments[root.segment].emission(root.u);
+            (coords, inside(coords.cross_coords), tube.path_length(&root), emission)
+        } else {
+            let coords = self.locate(point, Some(near))?;
+            let (across, path_length) = match self.rays {
+                LightRays::Cone(_) => (inside(coords.cross_coords), from_source.length()),
+                LightRays::Omni(omni) => {
+                    let on_cube = omni.locate(from_source).map_or(DVec2::ZERO, |coords| DVec2::new(coords.v, coords.w));
+                    (on_cube, from_source.length())
+                }
+                _ => (DVec2::ZERO, 0.0),
+            };
+            (coords, across, path_length, DVec3::ONE)
+        };
+        let profile = self.rays.light_profile();
+        let attenuation: f64 = profile.attenuation_at(across.x, across.y, path_length);
+        Some((coords, (emission * profile.tint).max_element() * attenuation))
+    }
+
+    /// Returns the profile at coordinates across the light, 0 to 1. Outside the light's edge it is that at the edge.
+    pub fn edge_profile(&self, coords: &PointInLight) -> f64 {
+        const EDGE: f64 = 0.999;
+        let across = coords.cross_coords * (EDGE / coords.cross_coords.length()).min(1.0);
+        match self.rays {
+            LightRays::Bent(_) | LightRays::Cone(_) => self.rays.light_profile().across(across.x, across.y),
+            LightRays::Omni(_) | LightRays::Parallel(_) => 1.0,
+        }
     }
 
     /// Returns the light path at `across` of a light without a tube: its start, and its point level with `point` at

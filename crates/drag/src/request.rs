@@ -13,7 +13,7 @@ pub struct Viewport {
     pub size: [u32; 2],
 }
 
-/// Request to move a feature of a light.
+/// Request to move a feature of a light in a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drag {
     pub feature: Feature,
@@ -21,12 +21,14 @@ pub struct Drag {
     pub points: Option<Vec<usize>>,
     /// Handling of the radii if control points move.
     pub radii: RadiusMode,
+    /// Camera and size of the picture.
+    pub view: Viewport,
     /// Start of the drag, in pixels from the picture's top left corner.
     pub from: DVec2,
-    /// Cursor, in pixels from the picture's top left corner.
+    /// Cursor, in the same pixels.
     pub to: DVec2,
-    /// Properties that the drag has to preserve.
-    pub pins: Vec<DragPin>,
+    /// Properties that the drag preserves; `None` for those that are pinned in the document.
+    pub pins: Option<Vec<NumberedPin>>,
     /// True if the source may not go through a surface.
     pub source_outside: bool,
 }
@@ -43,6 +45,20 @@ pub struct DragPin {
     /// True if the drag must preserve the property. False if it preserves the property only as far as it can without
     /// limiting the feature.
     pub is_hard: bool,
+}
+
+/// Pin with the number by which a [`DragOutcome`] names it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumberedPin {
+    pub number: u64,
+    pub pin: DragPin,
+}
+
+impl NumberedPin {
+    /// Numbers pins by their index.
+    pub fn by_index(pins: impl IntoIterator<Item = DragPin>) -> Vec<Self> {
+        pins.into_iter().zip(0..).map(|(pin, number)| Self { number, pin }).collect()
+    }
 }
 
 /// Property that a pin keeps.
@@ -94,13 +110,23 @@ pub enum RadiusMode {
 /// Result of a drag.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DragResult {
-    pub status: DragStatus,
     /// A light that can be evaluated. It is the light of the start if the drag was refused.
     pub light: Light,
+    pub outcome: DragOutcome,
+}
+
+/// Outcome of a drag, besides the light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DragOutcome {
+    /// Name of the solver.
+    pub solver: String,
+    /// Version of the solver. Another version may give another light.
+    pub version: u32,
+    pub status: DragStatus,
     /// Distance on the screen from the cursor to the feature, in pixels; infinite if the feature is not in the picture.
     pub residual_px: f64,
-    /// Node that shadows M' in place of the dragged caster point, if another caster is on the light path.
-    pub shadowed_by: Option<usize>,
+    /// Name of the node that shadows M' in place of the dragged caster point, if another caster is on the light path.
+    pub shadowed_by: Option<String>,
     /// Number of solver steps.
     pub iterations: usize,
     /// World position of the surface at the start of the drag; `None` if there is no surface.
@@ -135,8 +161,8 @@ pub enum DragLimit {
     NoDescent,
     /// The source would go through a surface.
     SourceInside,
-    /// The pin with this index would be violated.
-    Pin(usize),
+    /// The pin with this number would be violated.
+    Pin(u64),
     /// The search for a nearer light takes more steps than a drag may take ([`crate::MAX_DRAG_STEPS`]).
     TooMuchWork,
 }
@@ -158,7 +184,7 @@ pub enum DragRefusal {
     NoSuchPoint,
     /// Moving the chosen control points does not change the light at the start of the drag.
     NoWeight,
-    /// The hard pin with this index does not hold at the start: its point is outside the light, or is not lit, not in
+    /// The hard pin with this number does not hold at the start: its point is outside the light, or is not lit, not in
     /// shadow, or not in the shadow of the named caster.
-    PinDoesNotHold(usize),
+    PinDoesNotHold(u64),
 }

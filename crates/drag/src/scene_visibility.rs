@@ -50,7 +50,7 @@ impl SceneVisibility<'_> {
     /// Returns the first hard pin or surface that the light with the unknowns `x` violates.
     pub fn violated_limit(&self, goal: &Goal, x: &[f64]) -> Option<DragLimit> {
         let pins = self.violated_pins(goal, x, |pin| pin.is_hard);
-        let pin = pins.first().map(|pin| DragLimit::Pin(pin.index));
+        let pin = pins.first().map(|pin| DragLimit::Pin(pin.number));
         pin.or_else(|| self.surface(goal, x).map(|_| DragLimit::SourceInside))
     }
 
@@ -116,7 +116,7 @@ impl SceneVisibility<'_> {
                 if is_allowed { side } else { -side }
             });
             let allowed = allowed.sum::<DVec2>().try_normalize()?;
-            Some(OcclusionTangent::ShadowEdge { pin: pin.index, caster: caster.position, t: caster.t, allowed })
+            Some(OcclusionTangent::ShadowEdge { pin: pin.number, caster: caster.position, t: caster.t, allowed })
         })
     }
 

@@ -113,7 +113,7 @@ pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightEr
     if light.get(UP) == DVec3::ZERO {
         return Err(LightError::OutOfDomain { field: UP.path, value: 0.0, domain: "it must have a direction".into() });
     }
-    segments_of_points(light.points(), light.transform(), unit_up(light), light.get(END_MODE))
+    segments_of_points(light.points(), light.transform(), unit_up(light), light.get(END_MODE), false)
 }
 
 /// Builds the segments as `segments` does, but for other control points. The light's other values must have been
@@ -123,6 +123,7 @@ pub fn segments_of_points(
     transform: Transform,
     up: DVec3,
     end_mode: EndMode,
+    may_fold: bool,
 ) -> Result<(Vec<Segment<f64>>, Placement), LightError> {
     check_points(control)?;
     let polygon = polygon_length(control);
@@ -149,7 +150,7 @@ pub fn segments_of_points(
         end_frame = Some(set_frame(&mut curve, end_frame, up));
         curve.bounds = curve.tube_box();
         let r_kappa = validity::r_kappa_max(&curve);
-        if r_kappa >= 1.0 {
+        if r_kappa >= 1.0 && !may_fold {
             return Err(LightError::Fold { segment: i, r_kappa, point: i + 1 });
         }
         let (color, intensity) = (bezier(&values.colors, i), bezier(&values.intensities, i));

@@ -49,6 +49,18 @@ impl LightInstance {
     }
 }
 
+impl LightRays {
+    /// Returns the falloff, tint and shadow of the light.
+    pub fn light_profile(&self) -> &LightProfile {
+        match self {
+            Self::Cone(cone) => &cone.light_profile,
+            Self::Omni(omni) => &omni.light_profile,
+            Self::Parallel(parallel) => &parallel.light_profile,
+            Self::Bent(tube) => &tube.light_profile,
+        }
+    }
+}
+
 impl CheckedLight {
     /// Checks a light: every value against its row, the control points of a BendyLight, and its tube for folds.
     ///
@@ -106,12 +118,7 @@ impl CheckedLight {
 
     /// Returns the falloff, tint and shadow of the light.
     pub fn light_profile(&self) -> &LightProfile {
-        match &self.rays {
-            LightRays::Cone(cone) => &cone.light_profile,
-            LightRays::Omni(omni) => &omni.light_profile,
-            LightRays::Parallel(parallel) => &parallel.light_profile,
-            LightRays::Bent(tube) => &tube.light_profile,
-        }
+        self.rays.light_profile()
     }
 
     /// Returns the digests that caches of the light use as keys.

@@ -7,7 +7,7 @@ mod commands;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use commands::{drags, stress, work};
+use commands::{stress, work};
 
 /// Studies of the light model: what its decisions rest on, measured again, and what breaks it.
 #[derive(Parser)]
@@ -19,8 +19,6 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Study {
-    /// Do drags land? Random ones, beside a slow solver that says which of them could
-    Drags(drags::Args),
     /// Does anything break, for any light and scene? Random and unkind cases against bounds, for as long as you like
     Stress(stress::Args),
     /// Cost of drags: counted steps and seconds, and a search for the most expensive one
@@ -30,13 +28,12 @@ enum Study {
 const EXAMPLES: &str = "\
 Examples:
   bendylights-studies stress --minutes 10
-  bendylights-studies drags --drags 100
+  bendylights-studies work
 
 'bendylights-studies help STUDY' says more about each. What users ask, `bendylights bench` answers.";
 
 fn main() -> ExitCode {
     let done = match Cli::parse().study {
-        Study::Drags(args) => drags::run(&args),
         Study::Stress(args) => stress::run(&args),
         Study::Work(args) => work::run(&args),
     };

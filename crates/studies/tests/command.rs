@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-const STUDIES: [&str; 3] = ["drags", "stress", "work"];
+const STUDIES: [&str; 2] = ["stress", "work"];
 
 fn run(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_bendylights-studies")).args(args).output().expect("the binary runs")
@@ -60,26 +60,9 @@ fn the_docs_and_the_help_show_commands_that_exist() {
         assert_eq!(unknown_words(text), [""; 0]);
     }
     assert_eq!(
-        unknown_words("bendylights-studies drags --quick\nbendylights-studies paint"),
+        unknown_words("bendylights-studies stress --quick\nbendylights-studies paint"),
         ["--quick", "no study paint"]
     );
-}
-
-#[test]
-fn drags_are_counted_for_each_kind_and_what_failed_can_be_made_again() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let failures = folder.path().join("failures").display().to_string();
-    let (report, said) = answer(&["drags", "demo:vases", "nowhere.glb", "--drags", "4", "--failures", &failures], 0);
-    assert!(said.contains("skipped nowhere.glb"), "{said}");
-    let cells = report["cells"].as_array().expect("cells");
-    assert_eq!(cells.len(), 32, "sixteen kinds in the demo, and in all scenes");
-    let count = |cell: &Value, name: &str| cell[name].as_u64().expect("a count");
-    let missed: u64 = cells[..16].iter().map(|cell| count(cell, "missed") + count(cell, "wrong")).sum();
-    for cell in cells {
-        assert!(count(cell, "drags") == 4 && count(cell, "landed") <= 4, "{cell}");
-    }
-    let files = std::fs::read_dir(&failures).expect("a folder").count() as u64;
-    assert_eq!(files, 3 * missed, "a light, a drag and what was found");
 }
 
 #[test]
@@ -96,9 +79,7 @@ fn a_property_that_does_not_hold_gives_its_case_and_exit_code_1() {
 #[test]
 fn bad_usage_exits_with_2_and_says_what_is_allowed() {
     for (args, must_say) in [
-        (&["drags", "--size", "0x10"][..], "1 to 8192"),
-        (&["drags", "--failures", "/dev/null/failures"], "check"),
-        (&["stress", "--only", "beauty"], "lone-plane"),
+        (&["stress", "--only", "beauty"][..], "lone-plane"),
         (&["stress", "--minutes", "0"], "number of minutes"),
         (&["shadow"], "Usage"),
     ] {

@@ -152,6 +152,10 @@ export type DragKind = "shadow" | "hotspot" | "highlight" | "diffuse";
  */
 export type PinKind = "direction" | "lit" | "shadowed" | "shadow";
 /**
+ * Name or index of a light or a camera.
+ */
+export type NameOrIndex = number | string;
+/**
  * `document::CameraParameter` in JSON: an object with one field.
  */
 export type CameraParameter = CameraName | CameraTranslation | CameraRotation | CameraProjection;
@@ -313,6 +317,27 @@ export type GestureEnd = "committed" | "cancelled" | "expired" | "rejected";
  * - `tooMuchWork`: The solver reached its work limit. Choose fewer control points, or remove pins.
  */
 export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceInside" | "pin" | "tooMuchWork";
+/**
+ * `DragRefusal` in JSON.
+ *
+ * - `nothingAtStart`: No surface is visible at `from`.
+ * - `nothingAtEnd`: No surface is visible at `to`, or `lightLink` of the light excludes it.
+ * - `outsideTheLight`: M lies outside the light, or `lightLink` of the light excludes it.
+ * - `noShadow`: Nothing shadows M.
+ * - `notBendy`: The drag names control points, but the light has none.
+ * - `noSuchPoint`: The light has no such control point, or the point is its source.
+ * - `noWeight`: The chosen control points have no influence on the light at M.
+ * - `pinDoesNotHold`: A hard pin is not fulfilled when the drag begins. `pin` names it.
+ */
+export type DragReason =
+  | "nothingAtStart"
+  | "nothingAtEnd"
+  | "outsideTheLight"
+  | "noShadow"
+  | "notBendy"
+  | "noSuchPoint"
+  | "noWeight"
+  | "pinDoesNotHold";
 /**
  * `drag::DragStatus` in JSON.
  *
@@ -1903,8 +1928,7 @@ export interface DragPoint {
 export interface DragFeature {
   camera: Camera;
   /**
-   * Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is
-   * at .5.
+   * Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is at .5.
    *
    * @minItems 2
    * @maxItems 2
@@ -1912,9 +1936,14 @@ export interface DragFeature {
   from: [number, number];
   kind: DragKind;
   /**
-   * Id of the light.
+   * Light: its id, or in a drag file its name or its index.
    */
   light: number;
+  /**
+   * Pins that the drag keeps, in a drag file. Default: the document's pins of the light, if there is a document. A
+   * command has none of its own.
+   */
+  pins?: DragPin[];
   /**
    * Indices of the control points that may move. Default: the light moves as a whole.
    */
@@ -1939,6 +1968,28 @@ export interface DragFeature {
    */
   to: [number, number];
   type: "dragFeature";
+}
+/**
+ * Property at a point that a drag of the light preserves.
+ */
+export interface DragPin {
+  /**
+   * World position on a surface.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  at: [number, number, number];
+  /**
+   * Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
+   */
+  caster?: string;
+  /**
+   * True if the pin always holds. False if it holds as far as the drag allows.
+   */
+  hard: boolean;
+  kind: PinKind;
+  light: NameOrIndex;
 }
 /**
  * Adds a pin.
@@ -2576,7 +2627,7 @@ export interface DragOutcome {
   iterations: number;
   limit?: DragLimit;
   /**
-   * Id of the pin that stopped the drag.
+   * Pin that stopped the drag: its id in the document, or its index in the drag's own `pins`.
    */
   pin?: number;
   /**
@@ -2586,6 +2637,7 @@ export interface DragOutcome {
    * @maxItems 3
    */
   pivotWorld: [number, number, number] | null;
+  reason?: DragReason;
   /**
    * Distance in pixels from `to` to the feature; `null` if the feature is not in the picture.
    */

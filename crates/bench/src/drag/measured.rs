@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
-use drag::drag;
+use drag::{WorkBudget, drag, drag_by_picture};
 use light::{CheckedLight, Light};
 use serde::Serialize;
 
 use super::off::{EquationError, distance_px};
 use super::paper;
+use super::picture::{PictureChange, PictureGrid};
 use super::stage::TrialScene;
 use super::trial::{Trial, TrialKind};
 use crate::circle::ms;
@@ -44,6 +45,8 @@ pub struct KindReport {
     pub drags: usize,
     /// Results of the product.
     pub ours: DragErrors,
+    /// Results of the solver that keeps the rest of the picture, which the product is to use.
+    pub by_picture: DragErrors,
     /// Results of the paper's formulas.
     pub paper: DragErrors,
     /// Iterations of the product's solver.
@@ -64,6 +67,11 @@ pub struct DragErrors {
     pub px: Quantiles,
     /// Residual of the drag's equation at the cursor: in radii for shadow and hotspot, in radians for the others.
     pub residual: Quantiles,
+    /// Landed features that could be seen where they were taken, and those of them that can be seen at the cursor.
+    pub visible: usize,
+    pub seen: usize,
+    /// Share of the lit part of the picture that loses more than half of its brightness by a landed drag.
+    pub picture_lost: Quantiles,
     /// Milliseconds, including the picks.
     pub ms: Quantiles,
 }
@@ -73,6 +81,7 @@ pub struct DragErrors {
 pub(super) struct MeasuredTrial {
     pub kind: TrialKind,
     pub ours: DragError,
+    by_picture: DragError,
     pub paper: DragError,
     iterations: usize,
 }
@@ -84,20 +93,23 @@ pub(super) struct DragError {
     /// Distance from the cursor to the feature in pixels; infinite if the feature is not in the picture.
     pub px: f64,
     residual: f64,
+    /// Change of the picture, if the feature landed.
+    picture: Option<PictureChange>,
     pub ms: f64,
 }
 
 impl DragError {
-    fn new(stage: &TrialScene, trial: &Trial, light: Option<Light>, ms: f64) -> Self {
+    fn new(grid: &PictureGrid, stage: &TrialScene, trial: &Trial, light: Option<Light>, ms: f64) -> Self {
         let light = light.and_then(|light| CheckedLight::new(light).ok());
         let px = light.as_ref().and_then(|light| distance_px(stage, trial, light));
         let off = light.as_ref().and_then(|light| EquationError::at_target(stage, trial, light));
         // A near feature can still be absent: outside of the light, or on a light path that only touches the caster of
         // the shadow.
-        let px = px.filter(|px| off.is_some() || *px > LANDED_PX);
+        let px = px.filter(|px| off.is_some() || *px > LANDED_PX).unwrap_or(f64::INFINITY);
         Self {
             is_folded: light.is_none(),
-            px: px.unwrap_or(f64::INFINITY),
+            px,
+            picture: light.filter(|_| px <= LANDED_PX).map(|light| grid.change(trial, &light)),
             residual: off.map_or(f64::INFINITY, |off| off.residual),
             ms,
         }
@@ -114,10 +126,11 @@ pub(super) fn measure_trials(
     let (mut all, mut done) = (Vec::new(), 0);
     let of = stages.len() * TrialKind::all().count() * drags;
     for stage in stages {
+        let grid = PictureGrid::new(stage);
         for kind in TrialKind::all() {
             for number in 0..drags {
                 let trial = Trial::random(stage, kind, Trial::seed(seed, &stage.name, kind, number));
-                all.extend(trial.map(|trial| measure_trial(stage, &trial)));
+                all.extend(trial.map(|trial| measure_trial(&grid, stage, &trial)));
                 done += 1;
                 progress(Progress { done, of, what: stage.name.clone() });
             }
@@ -132,18 +145,23 @@ pub(super) fn measure_trials(
     (report, all)
 }
 
-fn measure_trial(stage: &TrialScene, trial: &Trial) -> MeasuredTrial {
+fn measure_trial(grid: &PictureGrid, stage: &TrialScene, trial: &Trial) -> MeasuredTrial {
     let began = Instant::now();
-    let result = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
+    let result = drag(&stage.reference.bvh, &trial.light, &trial.drag, &[]);
     let ours_ms = ms(began.elapsed());
+    let began = Instant::now();
+    let work = WorkBudget::new(&|_| true);
+    let by_picture = drag_by_picture(&stage.reference.bvh, &trial.light, &trial.drag, &[], &work);
+    let by_picture_ms = ms(began.elapsed());
     let began = Instant::now();
     let moved = paper::moved(stage, trial);
     let paper_ms = ms(began.elapsed());
     MeasuredTrial {
         kind: trial.kind,
-        ours: DragError::new(stage, trial, Some(result.light), ours_ms),
-        paper: DragError::new(stage, trial, moved, paper_ms),
-        iterations: result.iterations,
+        ours: DragError::new(grid, stage, trial, Some(result.light), ours_ms),
+        by_picture: DragError::new(grid, stage, trial, Some(by_picture.light), by_picture_ms),
+        paper: DragError::new(grid, stage, trial, moved, paper_ms),
+        iterations: result.outcome.iterations,
     }
 }
 
@@ -158,6 +176,9 @@ fn kind_report(kind: TrialKind, all: &[MeasuredTrial]) -> KindReport {
             lost: count(|one| !one.is_folded && one.px.is_infinite()),
             px: values(|one| one.px),
             residual: values(|one| one.residual),
+            visible: count(|one| one.picture.is_some_and(|picture| picture.is_seen.is_some())),
+            seen: count(|one| one.picture.is_some_and(|picture| picture.is_seen == Some(true))),
+            picture_lost: Quantiles::of(of_kind.iter().filter_map(|made| of(made).picture?.lost)),
             ms: values(|one| one.ms),
         }
     };
@@ -167,6 +188,7 @@ fn kind_report(kind: TrialKind, all: &[MeasuredTrial]) -> KindReport {
         way: kind.distance_name(),
         drags: of_kind.len(),
         ours: side(|made| &made.ours),
+        by_picture: side(|made| &made.by_picture),
         paper: side(|made| &made.paper),
         iterations: Quantiles::of(of_kind.iter().map(|made| made.iterations as f64)),
     }

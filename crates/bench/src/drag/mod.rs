@@ -5,6 +5,7 @@ mod chart;
 mod measured;
 mod off;
 mod paper;
+mod picture;
 mod stage;
 #[cfg(test)]
 mod tests;

@@ -109,9 +109,10 @@ fn trial(stage: &TrialScene, kind: TrialKind, rng: &mut Rng) -> Option<Trial> {
         feature: kind.feature,
         points,
         radii: RadiusMode::Keep,
+        view: stage.view.clone(),
         from: begin.pixel,
         to,
-        pins: Vec::new(),
+        pins: None,
         source_outside: false,
     };
     Some(Trial { kind, light: begin.light, drag, from: begin.coords, pivot_in_scene: begin.pivot })

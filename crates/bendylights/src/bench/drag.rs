@@ -15,15 +15,17 @@ use crate::usage::whole_number_parser;
 #[command(after_help = "\
 Makes random drags in random lights over each scene, of shadows, hotspots, highlights and the sides of surfaces that are turned
 most to the light, as `bendylights drag` does, and beside them by the formulas of the BendyLights paper, which move a light
-once and do not look where its feature ends. Prints JSON; for each kind (feature, whole lights or control points, less or more
+once and do not look where its feature ends. A third column is a solver that keeps the rest of the picture. Prints JSON; for each kind (feature, whole lights or control points, less or more
 than a tenth of the picture's width):
   iterations  steps of the solver
-  ours, paper
+  ours, byPicture, paper
     landed    features that end within half a pixel of the cursor
     folded    lights that fold and cannot be drawn
     lost      features that are not in the picture afterwards
     px        from the cursor to the feature, in pixels
     residual  how far the equations are from holding at the cursor: radii of shadow and hotspot, else radians
+    visible, seen  landed features that could be seen where they were taken, and those of them seen at the cursor
+    pictureLost    share of the lit picture that loses more than half of its brightness by a landed drag
     ms        a drag's time, with its picks
 
 Examples:

@@ -3,10 +3,10 @@
 use std::sync::{Arc, LazyLock};
 
 use document::{
-    Change, Command, CommandContext, CommandResult, Document, EditError, FeatureDrag, LightPin, MAX_CHOSEN_POINTS,
-    execute_command, solve_drag,
+    Change, Command, CommandContext, CommandResult, Document, EditError, LightPin, MAX_CHOSEN_POINTS, execute_command,
+    solve_drag,
 };
-use drag::{DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, RadiusMode, SOLVER, Viewport};
+use drag::{Drag, DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, RadiusMode, SOLVER, Viewport};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{LIGHT_LINK, POSITION, ROTATION, TRANSLATION};
 use light::{CheckedLight, LightId, Links};
@@ -37,20 +37,21 @@ fn document() -> Document {
 }
 
 /// Returns the drag of the shadow of the blue vase's neck down the table by `down` pixels.
-fn shadow(points: Option<Vec<usize>>, down: f64) -> FeatureDrag {
+fn shadow(points: Option<Vec<usize>>, down: f64) -> Drag {
     let from = DVec2::new(430.5, 265.5);
-    FeatureDrag {
+    Drag {
         feature: Feature::Shadow,
         points,
         radii: RadiusMode::Keep,
         view: DEMO.view.clone(),
         from,
         to: from + DVec2::new(0.0, down),
+        pins: None,
         source_outside: false,
     }
 }
 
-fn dragged(document: &Document, drag: &FeatureDrag) -> Result<CommandResult, EditError> {
+fn dragged(document: &Document, drag: &Drag) -> Result<CommandResult, EditError> {
     let solved = solve_drag(document, LIGHT, drag, &DEMO.bvh)?;
     let command = Command::DragFeature { light: LIGHT, drag: Box::new(drag.clone()) };
     execute_command(document, &command, CommandContext { solved: Some(&solved), ..CommandContext::default() })
@@ -114,10 +115,10 @@ fn the_same_drag_gives_the_same_light() {
 #[test]
 fn impossible_drags_are_refused_with_their_reason() {
     let before = document();
-    let refused = |drag: &FeatureDrag| dragged(&before, drag).map(|_| ()).expect_err("refused");
+    let refused = |drag: &Drag| dragged(&before, drag).map(|_| ()).expect_err("refused");
     let not_dragged = |reason| EditError::DragRefused { light: before.light_name(LIGHT), reason };
-    let off = FeatureDrag { to: DVec2::new(-50.5, -50.5), ..shadow(None, 0.0) };
-    let off = FeatureDrag { view: Viewport { camera: sky(), ..off.view.clone() }, ..off };
+    let off = Drag { to: DVec2::new(-50.5, -50.5), ..shadow(None, 0.0) };
+    let off = Drag { view: Viewport { camera: sky(), ..off.view.clone() }, ..off };
     assert_eq!(refused(&off), not_dragged(DragRefusal::NothingAtStart));
     assert_eq!(refused(&shadow(Some(vec![0]), 9.0)), not_dragged(DragRefusal::NoSuchPoint));
     // No control point is chosen.
@@ -125,13 +126,13 @@ fn impossible_drags_are_refused_with_their_reason() {
     assert_eq!(nothing_moves, not_dragged(DragRefusal::NoWeight));
     let said = nothing_moves.to_string();
     assert!(said.contains("no control point that is chosen does anything"), "{said}");
-    let lit = FeatureDrag { from: DVec2::new(600.5, 300.5), ..shadow(None, 9.0) };
+    let lit = Drag { from: DVec2::new(600.5, 300.5), ..shadow(None, 9.0) };
     assert!(matches!(refused(&lit), EditError::DragRefused { .. }));
-    let pixelless = FeatureDrag { view: Viewport { size: [0, 9], ..DEMO.view.clone() }, ..shadow(None, 9.0) };
+    let pixelless = Drag { view: Viewport { size: [0, 9], ..DEMO.view.clone() }, ..shadow(None, 9.0) };
     assert_eq!(refused(&pixelless), EditError::EmptyViewport);
     // Values that a record keeps have limits.
     let long = scene::Camera { name: "x".repeat(10_000), ..DEMO.view.camera.clone() };
-    let named = FeatureDrag { view: Viewport { camera: long, ..DEMO.view.clone() }, ..shadow(None, 9.0) };
+    let named = Drag { view: Viewport { camera: long, ..DEMO.view.clone() }, ..shadow(None, 9.0) };
     assert!(matches!(refused(&named), EditError::TooLong { field: "name", .. }));
     let listed = |count| shadow(Some(vec![1; count]), 9.0);
     let too_many = refused(&listed(MAX_CHOSEN_POINTS + 1));
@@ -206,7 +207,7 @@ fn pins_of_the_document_hold_and_are_named_by_their_ids() {
     assert!(turned(&free.document) > 0.2, "the planted fault: without the pin it turns");
     assert!(turned(&held.document) < 0.1, "{}", turned(&held.document));
     let status = held.outcome.expect("an outcome").status;
-    assert!(status == DragStatus::Landed || status == DragStatus::Limited(DragLimit::Pin(id.0 as usize)), "{status:?}");
+    assert!(status == DragStatus::Landed || status == DragStatus::Limited(DragLimit::Pin(id.0)), "{status:?}");
 
     // Pin whose condition does not hold.
     done(&mut before, &Command::SetPin { pin: id, is_hard: false });

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use document::{AssetHash, CameraId, CameraParameter, Command, Document, FeatureDrag, LightPin, PinId};
-use drag::{DragPin, Feature, PinKind, RadiusMode, Viewport};
+use document::{AssetHash, CameraId, CameraParameter, Command, Document, LightPin, PinId};
+use drag::{Drag, DragPin, Feature, PinKind, RadiusMode, Viewport};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, HEIGHT, INTENSITY, NAME, POINT_COLOR,
@@ -93,7 +93,7 @@ pub fn with_existing_ids(mut command: Command, document: &Document) -> Command {
 }
 
 /// Generates drags of a feature. Its solution is not available here, so a document refuses it.
-fn feature_drag() -> impl Strategy<Value = FeatureDrag> {
+fn feature_drag() -> impl Strategy<Value = Drag> {
     let feature =
         prop_oneof![Just(Feature::Shadow), Just(Feature::Hotspot), Just(Feature::Highlight), Just(Feature::Diffuse)];
     let radii = prop_oneof![Just(RadiusMode::Keep), Just(RadiusMode::Solve), Just(RadiusMode::Follow)];
@@ -102,7 +102,7 @@ fn feature_drag() -> impl Strategy<Value = FeatureDrag> {
     (feature, option(vec(0..6_usize, 0..4)), radii, view, way, any::<bool>()).prop_map(
         |(feature, points, radii, view, [from_x, from_y, to_x, to_y], source_outside)| {
             let (from, to) = (DVec2::new(from_x, from_y), DVec2::new(to_x, to_y));
-            FeatureDrag { feature, points, radii, view, from, to, source_outside }
+            Drag { feature, points, radii, view, from, to, pins: None, source_outside }
         },
     )
 }

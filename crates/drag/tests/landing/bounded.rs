@@ -3,8 +3,8 @@
 use std::cell::Cell;
 
 use drag::{
-    Drag, DragLimit, DragPin, DragResult, DragStatus, MAX_DRAG_STEPS, PinKind, RadiusMode, STEPS_BETWEEN_CHECKS,
-    WorkBudget, drag_budgeted,
+    Drag, DragLimit, DragPin, DragResult, DragStatus, MAX_DRAG_STEPS, NumberedPin, PinKind, RadiusMode,
+    STEPS_BETWEEN_CHECKS, WorkBudget, drag_budgeted,
 };
 use glam::{DVec2, DVec3};
 use light::CheckedLight;
@@ -28,13 +28,13 @@ fn pinned(scene: &TestScene) -> Trial {
     let lit = pixels.filter_map(|pixel| scene.tube_point(&trial.light, pixel));
     let positions: Vec<DVec3> = lit.map(|(seen, _)| seen.position + origin).collect();
     let pin = |(k, at)| DragPin { kind: PinKind::Direction, at, caster: None, is_hard: k == 0 };
-    let pins = positions.repeat(TIMES).into_iter().enumerate().map(pin).collect();
-    trial.drag = Drag { points: Some(vec![1, 2, 3, 4]), radii: RadiusMode::Solve, pins, ..trial.drag };
+    trial.pins = positions.repeat(TIMES).into_iter().enumerate().map(pin).collect();
+    trial.drag = Drag { points: Some(vec![1, 2, 3, 4]), radii: RadiusMode::Solve, ..trial.drag };
     trial
 }
 
 fn run(scene: &TestScene, trial: &Trial, work: &WorkBudget) -> DragResult {
-    drag_budgeted(&scene.bvh, &trial.view, &trial.light, &trial.drag, work)
+    drag_budgeted(&scene.bvh, &trial.light, &trial.drag, &NumberedPin::by_index(trial.pins.clone()), work)
 }
 
 /// True if light arrives at hard pins from the same direction as at the start.
@@ -43,7 +43,7 @@ fn hold(trial: &Trial, result: &DragResult) -> bool {
     let direction = |light: &CheckedLight, pin: &DragPin| {
         light.tube().and_then(|tube| tube.locate(pin.at).point).map(|point| point.direction)
     };
-    trial.drag.pins.iter().filter(|pin| pin.is_hard).all(|pin| {
+    trial.pins.iter().filter(|pin| pin.is_hard).all(|pin| {
         let (was, is) = (direction(&trial.light, pin), direction(&after, pin));
         was.zip(is).is_some_and(|(was, is)| was.distance(is) < 1e-5)
     })
@@ -60,9 +60,9 @@ fn a_drag_over_its_budget_is_limited_and_pins_hold() {
     let whole = WorkBudget::with_limit(MAX_DRAG_STEPS, &|_| true);
     let landed = run(&scene, &trial, &whole);
     let all = whole.spent_steps();
-    println!("{:?} with {} pins takes {all} steps", landed.status, trial.drag.pins.len());
-    assert!(trial.drag.pins.len() > 20 && all > 200 * AT_ONCE, "{all}");
-    assert_ne!(landed.status, DragStatus::Limited(DragLimit::TooMuchWork));
+    println!("{:?} with {} pins takes {all} steps", landed.outcome.status, trial.pins.len());
+    assert!(trial.pins.len() > 20 && all > 200 * AT_ONCE, "{all}");
+    assert_ne!(landed.outcome.status, DragStatus::Limited(DragLimit::TooMuchWork));
     assert_eq!(run(&scene, &trial, &WorkBudget::with_limit(all, &|_| true)), landed, "what fits the bound is the same");
     let distance = trial.drag.from.distance(trial.drag.to);
     let mut moved = 0;
@@ -70,9 +70,9 @@ fn a_drag_over_its_budget_is_limited_and_pins_hold() {
         let most = all * share / 16;
         let work = WorkBudget::with_limit(most, &|_| true);
         let result = run(&scene, &trial, &work);
-        println!("{share}/16: {:?}, {} px of {distance} short", result.status, result.residual_px);
-        assert!(matches!(result.status, DragStatus::Limited(DragLimit::TooMuchWork) | DragStatus::Landed));
-        assert!(result.residual_px <= distance && hold(&trial, &result), "{result:?}");
+        println!("{share}/16: {:?}, {} px of {distance} short", result.outcome.status, result.outcome.residual_px);
+        assert!(matches!(result.outcome.status, DragStatus::Limited(DragLimit::TooMuchWork) | DragStatus::Landed));
+        assert!(result.outcome.residual_px <= distance && hold(&trial, &result), "{result:?}");
         assert!(work.spent_steps() <= most + most / 8 + 2 * AT_ONCE, "{} of {most}", work.spent_steps());
         assert_eq!(result, run(&scene, &trial, &WorkBudget::with_limit(most, &|_| true)), "it is the same each time");
         moved += usize::from(result.light != *trial.light.light());

@@ -23,12 +23,12 @@ fn path(scene: &TestScene, trial: &Trial) -> Option<Path> {
     let mut path = Path { picked: Vec::new(), targets: Vec::new(), points: Vec::new() };
     for step in 0..=STEPS {
         let to = trial.drag.from.lerp(trial.drag.to, step as f64 / STEPS as f64);
-        let result = drag(&scene.bvh, &trial.view, &trial.light, &Drag { to, ..trial.drag.clone() });
-        if matches!(result.status, DragStatus::Refused(_)) {
+        let result = drag(&scene.bvh, &trial.light, &Drag { to, ..trial.drag.clone() }, &[]);
+        if matches!(result.outcome.status, DragStatus::Refused(_)) {
             return None;
         }
         let seen = scene.seen(to)?;
-        path.picked.push(result.to_world?);
+        path.picked.push(result.outcome.to_world?);
         path.targets.push(if trial.drag.feature == Feature::Highlight { seen.mirror_direction() } else { seen.normal });
         let transform = result.light.transform();
         let in_world = result.light.points().iter().map(|point| transform.world_from_local(point.position));

@@ -22,13 +22,13 @@ fn a_highlight_is_found_from_beside_it() {
     for scene in scenes() {
         for trial in trials(&scene, Feature::Highlight, 40) {
             let result = scene.run(&trial);
-            if result.status != DragStatus::Landed {
+            if result.outcome.status != DragStatus::Landed {
                 continue;
             }
             landed += 1;
             let light = CheckedLight::new(result.light).expect("it landed");
             let beside = trial.drag.to + DVec2::new(2.0, -1.0);
-            let Some(centre) = highlight_near(&scene.bvh, &trial.view, &light, beside) else { continue };
+            let Some(centre) = highlight_near(&scene.bvh, &trial.drag.view, &light, beside) else { continue };
             // Newton's steps end at 1e-9 radians, or at 1e-9 pixels where the direction turns by less than a radian per
             // pixel.
             let off = |pixel| off(&scene, &light, pixel);

@@ -4,6 +4,7 @@ mod bounded;
 mod continuity;
 mod highlights;
 mod many;
+mod picture;
 mod pins;
 mod sliding;
 mod support;
@@ -30,7 +31,7 @@ fn mirrored(surface: &ShadedPoint) -> DVec3 {
 /// own `locate`: in pixels across the picture for shadow and hotspot, else in degrees. `None` if the point is not in
 /// the light or not in shadow.
 fn off(reference: &Reference, trial: &Trial, result: &DragResult) -> Option<f64> {
-    let view = View::beauty(trial.view.camera.clone(), trial.view.size);
+    let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
     let to = reference.surface(&view, trial.drag.to)?;
     let origin = reference.bvh.posed.origin_in_world;
     let moved = CheckedLight::new(result.light.clone()).ok()?;
@@ -42,7 +43,7 @@ fn off(reference: &Reference, trial: &Trial, result: &DragResult) -> Option<f64>
     let across_px = |v: f64, w: f64| libm::hypot(point.v - v, point.w - w) * point.radius / per_pixel;
     match trial.drag.feature {
         Feature::Shadow => {
-            let pivot = located(result.pivot_world?)?;
+            let pivot = located(result.outcome.pivot_world?)?;
             let is_dark = !reference.sample(&ReferenceLight::new(&moved), &to)?.is_visible;
             (is_dark && pivot.t < point.t).then(|| across_px(pivot.v, pivot.w))
         }
@@ -69,9 +70,9 @@ fn converged_drags_have_the_feature_under_the_cursor() {
                 let what = format!("{name} {feature:?} {:?}: {result:?}", trial.drag);
                 let kind = usize::from(trial.drag.points.is_some());
                 all[kind] += 1;
-                *tally.entry(format!("{:?}", result.status)).or_default() += 1;
+                *tally.entry(format!("{:?}", result.outcome.status)).or_default() += 1;
                 assert!(CheckedLight::new(result.light.clone()).is_ok(), "{what}");
-                if result.status != DragStatus::Landed {
+                if result.outcome.status != DragStatus::Landed {
                     continue;
                 }
                 landed[kind] += 1;
@@ -114,8 +115,8 @@ fn a_shadow_lands_on_a_surface_that_casts_none() {
     let linked = scene.trial_of_the_demo(Links::new(Vec::new(), vec!["table".into()]));
     for trial in [from, linked] {
         let result = scene.run(&trial);
-        assert_eq!(result.status, DragStatus::Landed, "{result:?}");
-        assert!(result.residual_px < 0.5);
+        assert_eq!(result.outcome.status, DragStatus::Landed, "{result:?}");
+        assert!(result.outcome.residual_px < 0.5);
     }
 }
 
@@ -123,7 +124,8 @@ fn a_shadow_lands_on_a_surface_that_casts_none() {
 #[test]
 fn straight_lights_land_too() {
     let scene = support::demo();
-    let Trial { view, drag: request, .. } = scene.trial_of_the_demo(None);
+    let Trial { drag: request, .. } = scene.trial_of_the_demo(None);
+    let view = &request.view;
     let from = DVec3::new(-2.5, 3.0, 1.5);
     let aimed = DQuat::from_rotation_arc(DVec3::NEG_Z, (DVec3::new(0.0, 0.3, 0.0) - from).normalize());
     let sun = Light::directional().with(ROTATION, aimed);
@@ -137,8 +139,8 @@ fn straight_lights_land_too() {
         let light = CheckedLight::new(light).expect("valid");
         for feature in [Feature::Highlight, Feature::Diffuse] {
             let drag = Drag { feature, points: None, ..request.clone() };
-            let result = crate::drag(&scene.bvh, &view, &light, &drag);
-            assert_eq!(result.status, DragStatus::Landed, "{result:?}");
+            let result = crate::drag(&scene.bvh, &light, &drag, &[]);
+            assert_eq!(result.outcome.status, DragStatus::Landed, "{result:?}");
             // The light's own sample at M' arrives along the mirror direction or the normal.
             let moved = ReferenceLight::new(&CheckedLight::new(result.light).expect("valid"));
             let reference = scene.reference();
@@ -170,9 +172,9 @@ fn refused_drags_give_a_reason() {
     let refusal = |change: &dyn Fn(&mut Drag)| {
         let mut drag = trial.drag.clone();
         change(&mut drag);
-        let result = crate::drag(&scene.bvh, &trial.view, &trial.light, &drag);
+        let result = crate::drag(&scene.bvh, &trial.light, &drag, &[]);
         assert_eq!(&result.light, trial.light.light());
-        result.status
+        result.outcome.status
     };
     let sky = DVec2::new(1.0, 1.0);
     assert_eq!(refusal(&|drag| drag.points = Some(vec![0])), DragStatus::Refused(NoSuchPoint));
@@ -196,7 +198,7 @@ fn nothing_lands_on_unlinked_surfaces() {
         let light = trial.light.light().clone().with(LIGHT_LINK, linked);
         let light = CheckedLight::new(light).expect("valid");
         let hotspot = Drag { feature: Feature::Hotspot, from: DVec2::new(430.5, 175.5), ..trial.drag.clone() };
-        drag(&scene.bvh, &trial.view, &light, &hotspot).status
+        drag(&scene.bvh, &light, &hotspot, &[]).outcome.status
     };
     assert_eq!(landing_with(None), DragStatus::Landed);
     let without_table = Links::new(Vec::new(), vec!["table".into()]);

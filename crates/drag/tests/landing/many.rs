@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use drag::{Drag, DragPin, DragStatus, PinKind, drag};
+use drag::{DragPin, DragStatus, NumberedPin, PinKind, drag};
 use glam::DVec2;
 
 use crate::support;
@@ -18,10 +18,10 @@ fn many_pins_take_as_long_as_there_are_many() {
     for is_hard in [false, true] {
         let pin = DragPin { kind: PinKind::Direction, at, caster: None, is_hard };
         let run = |count: usize| {
-            let request = Drag { pins: vec![pin.clone(); count], ..trial.drag.clone() };
+            let pins = NumberedPin::by_index(vec![pin.clone(); count]);
             let began = Instant::now();
-            let result = drag(&scene.bvh, &trial.view, &trial.light, &request);
-            (began.elapsed().as_secs_f64() / result.iterations as f64, result)
+            let result = drag(&scene.bvh, &trial.light, &trial.drag, &pins);
+            (began.elapsed().as_secs_f64() / result.outcome.iterations as f64, result)
         };
         let fastest = |count| (0..3).map(|_| run(count).0).fold(f64::INFINITY, f64::min);
         let (few, many) = (fastest(32), fastest(256));
@@ -29,7 +29,7 @@ fn many_pins_take_as_long_as_there_are_many() {
         assert!(many < 24.0 * few, "{few} {many}");
         // Many pins at one point act as one.
         let (one, all) = (run(1).1, run(256).1);
-        assert_eq!((one.status, all.status), (DragStatus::Landed, DragStatus::Landed), "{all:?}");
+        assert_eq!((one.outcome.status, all.outcome.status), (DragStatus::Landed, DragStatus::Landed), "{all:?}");
         assert_eq!(run(256).1, all);
     }
 }

@@ -1,6 +1,6 @@
 //! Pins hold. Measurements that share nothing with the solver check them.
 
-use drag::{Drag, DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, RadiusMode, drag};
+use drag::{DragLimit, DragPin, DragRefusal, DragStatus, Feature, NumberedPin, PinKind, RadiusMode, drag};
 use glam::{DVec2, DVec3};
 use light::CheckedLight;
 use reference::{Reference, ReferenceLight, ShadedPoint};
@@ -18,7 +18,7 @@ struct VisiblePin {
 /// hold.
 fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &CheckedLight) -> f64 {
     let origin = reference.bvh.posed.origin_in_world;
-    let view = View::beauty(trial.view.camera.clone(), trial.view.size);
+    let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
     let surface = |pixel| reference.surface(&view, pixel);
     let Some(here) = surface(pinned.pixel) else { return f64::INFINITY };
     let located = |light: &CheckedLight, at: DVec3| light.tube().and_then(|tube| tube.locate(at).point);
@@ -52,7 +52,7 @@ fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &Ch
 
 /// Makes up to three pins that hold at the start, at visible points in the light.
 fn random_pins(scene: &TestScene, reference: &Reference, trial: &Trial, random: &mut Random) -> Vec<VisiblePin> {
-    let view = View::beauty(trial.view.camera.clone(), trial.view.size);
+    let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
     let mut pins = Vec::new();
     for _ in 0..400 {
         let pixel = random.pixel();
@@ -94,20 +94,19 @@ fn hard_pins_hold_wherever_the_drag_ends() {
         for feature in [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse] {
             for mut trial in trials(scene, feature, SETS.div_ceil(4 * scenes.len())) {
                 let pinned = random_pins(scene, &reference, &trial, &mut random);
-                trial.drag.pins = pinned.iter().map(|placed| placed.pin.clone()).collect();
+                trial.pins = pinned.iter().map(|placed| placed.pin.clone()).collect();
                 let result = scene.run(&trial);
                 let what = || format!("{} {feature:?} {:?}: {result:?}", scene.name, trial.drag);
-                let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
-                let free = drag(&scene.bvh, &trial.view, &trial.light, &free);
-                match result.status {
+                let free = drag(&scene.bvh, &trial.light, &trial.drag, &[]);
+                match result.outcome.status {
                     DragStatus::Landed => landed += 1,
-                    DragStatus::Limited(DragLimit::Pin(index)) => {
-                        assert!(trial.drag.pins[index].is_hard, "{}", what());
+                    DragStatus::Limited(DragLimit::Pin(number)) => {
+                        assert!(trial.pins[number as usize].is_hard, "{}", what());
                         by_pin += 1;
                     }
                     // Another limit acts without pins too.
                     _ => {
-                        assert_ne!(free.status, DragStatus::Landed, "{}", what());
+                        assert_ne!(free.outcome.status, DragStatus::Landed, "{}", what());
                         alike += 1;
                     }
                 }
@@ -141,23 +140,23 @@ fn infeasible_drags_name_the_pin() {
         let to = scene.seen(trial.drag.to).expect("a surface");
         let origin = scene.bvh.posed.origin_in_world;
         let far = trial.light.tube().and_then(|tube| tube.locate(to.position + origin).point).expect("inside");
-        if far.direction.angle_between(to.normal) < 0.02 || scene.run(&trial).status != DragStatus::Landed {
+        if far.direction.angle_between(to.normal) < 0.02 || scene.run(&trial).outcome.status != DragStatus::Landed {
             continue;
         }
         let other = scene.outside(&trial.light);
         let outside = scene.seen(other).expect("a surface").position + origin;
         let pin = |kind, at| DragPin { kind, at, caster: None, is_hard: true };
         // The drag must change the direction at M', and the pin must keep it.
-        trial.drag.pins = vec![pin(PinKind::Direction, to.position + origin)];
+        trial.pins = vec![pin(PinKind::Direction, to.position + origin)];
         let result = scene.run(&trial);
-        assert_eq!(result.status, DragStatus::Limited(DragLimit::Pin(0)), "{result:?}");
+        assert_eq!(result.outcome.status, DragStatus::Limited(DragLimit::Pin(0)), "{result:?}");
         // A soft pin yields.
-        trial.drag.pins[0].is_hard = false;
+        trial.pins[0].is_hard = false;
         let soft = scene.run(&trial);
-        assert_ne!(soft.status, DragStatus::Limited(DragLimit::Pin(0)), "{soft:?}");
-        trial.drag.pins.push(pin(PinKind::Lit, outside));
-        assert_eq!(scene.run(&trial).status, DragStatus::Refused(DragRefusal::PinDoesNotHold(1)));
-        trial.drag.pins[1].is_hard = false;
+        assert_ne!(soft.outcome.status, DragStatus::Limited(DragLimit::Pin(0)), "{soft:?}");
+        trial.pins.push(pin(PinKind::Lit, outside));
+        assert_eq!(scene.run(&trial).outcome.status, DragStatus::Refused(DragRefusal::PinDoesNotHold(1)));
+        trial.pins[1].is_hard = false;
         assert_eq!(scene.run(&trial).light, soft.light);
         named += 1;
     }
@@ -185,9 +184,9 @@ fn the_source_stays_outside() {
         trial.drag.source_outside = true;
         let result = scene.run(&trial);
         assert!(!goes_through(source(&result)), "{result:?}");
-        let says = matches!(result.status, DragStatus::Landed | DragStatus::Limited(DragLimit::SourceInside));
+        let says = matches!(result.outcome.status, DragStatus::Landed | DragStatus::Limited(DragLimit::SourceInside));
         kept += usize::from(says);
-        println!("{:?} {}", result.status, result.residual_px);
+        println!("{:?} {}", result.outcome.status, result.outcome.residual_px);
     }
     println!("{through} would go through something, {kept} say why not");
     assert!(through > 0 && kept * 2 > through);
@@ -203,7 +202,7 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     trial.drag.points = Some(vec![1, 2, 3, 4]);
     trial.drag.radii = RadiusMode::Solve;
     trial.drag.to = DVec2::new(410.5, 300.5);
-    let view = View::beauty(trial.view.camera.clone(), trial.view.size);
+    let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
     let pixels = [(140.5, 150.5), (165.5, 100.5), (200.5, 180.5)].map(DVec2::from);
     let surfaces = pixels.map(|pixel| reference.surface(&view, pixel).expect("the vase"));
     let origin = scene.bvh.posed.origin_in_world;
@@ -219,8 +218,8 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
         off.fold(0.0, f64::max)
     };
     let free = scene.run(&trial);
-    let pinned = drag(&scene.bvh, &trial.view, &trial.light, &Drag { pins, ..trial.drag.clone() });
-    assert_eq!((free.status, pinned.status), (DragStatus::Landed, DragStatus::Landed));
+    let pinned = drag(&scene.bvh, &trial.light, &trial.drag, &NumberedPin::by_index(pins));
+    assert_eq!((free.outcome.status, pinned.outcome.status), (DragStatus::Landed, DragStatus::Landed));
     let (without, with) = (differs(&free.light), differs(&pinned.light));
     // The smallest linear difference of a step of sRGB, in the dark, is 1 / 12.92 / 255.
     assert!(with < 1.0 / 12.92 / 255.0, "{with}");

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use drag::{Drag, DragResult, Feature, RadiusMode, Viewport, drag};
+use drag::{Drag, DragPin, DragResult, Feature, NumberedPin, RadiusMode, Viewport, drag};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{END_MODE, ROTATION, SHADOW_LINK, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, Links};
@@ -21,10 +21,11 @@ pub struct TestScene {
 }
 
 /// Light, and a drag of one of its features.
+#[derive(Clone)]
 pub struct Trial {
-    pub view: Viewport,
     pub light: CheckedLight,
     pub drag: Drag,
+    pub pins: Vec<DragPin>,
 }
 
 impl Trial {
@@ -55,6 +56,15 @@ impl TestScene {
         Some((seen, point))
     }
 
+    /// Finds the point that shadows the surface in a pixel, in scene space.
+    pub fn caster_of(&self, light: &CheckedLight, pixel: DVec2) -> Option<DVec3> {
+        let (seen, point) = self.tube_point(light, pixel)?;
+        let path = self.bvh.bent_path(light.tube()?, point.v, point.w);
+        let near = 1e-3 * seen.depth;
+        let hit = self.bvh.first_bent_hit(&path, point.t, |hit| hit.position.distance(seen.position) > near)?;
+        Some(hit.position)
+    }
+
     /// Makes the drag of docs/command-line.md: the shadow of the blue vase's neck moves down the table, by three
     /// control points of the demo's light.
     pub fn trial_of_the_demo(&self, shadow_link: Option<Links>) -> Trial {
@@ -64,17 +74,17 @@ impl TestScene {
             feature: Feature::Shadow,
             points: Some(vec![2, 3, 4]),
             radii: RadiusMode::Keep,
+            view: Viewport { size: [640, 360], ..self.view.clone() },
             from: DVec2::new(430.5, 265.5),
             to: DVec2::new(430.5, 310.5),
-            pins: Vec::new(),
+            pins: None,
             source_outside: false,
         };
-        let view = Viewport { size: [640, 360], ..self.view.clone() };
-        Trial { view, light: CheckedLight::new(light).expect("valid"), drag }
+        Trial { light: CheckedLight::new(light).expect("valid"), drag, pins: Vec::new() }
     }
 
     pub fn run(&self, trial: &Trial) -> DragResult {
-        drag(&self.bvh, &trial.view, &trial.light, &trial.drag)
+        drag(&self.bvh, &trial.light, &trial.drag, &NumberedPin::by_index(trial.pins.clone()))
     }
 
     pub fn reference(&self) -> Reference {
@@ -139,8 +149,9 @@ fn trial(scene: &TestScene, random: &mut Random, feature: Feature, deforms: bool
     let last = light.light().points().len();
     let points =
         deforms.then(|| if random.between(0.0, 1.0) < 0.5 { vec![last - 2, last - 1] } else { (1..last).collect() });
-    let drag = Drag { feature, points, radii: RadiusMode::Keep, from, to, pins: Vec::new(), source_outside: false };
-    Some(Trial { view: scene.view.clone(), light, drag })
+    let (view, radii) = (scene.view.clone(), RadiusMode::Keep);
+    let drag = Drag { feature, points, radii, view, from, to, pins: None, source_outside: false };
+    Some(Trial { light, drag, pins: Vec::new() })
 }
 
 /// Finds a pixel that has the feature, nearly enough.

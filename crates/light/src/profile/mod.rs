@@ -119,7 +119,7 @@ impl LightProfile {
     /// Returns the factor of the position across the light. Light outside an outline is cut if the light does not end
     /// there by itself.
     #[inline(always)]
-    fn across<F: Lanes>(&self, v: F, w: F) -> F {
+    pub fn across<F: Lanes>(&self, v: F, w: F) -> F {
         let share = self.radial.share(v, w);
         let rho2 = self.section.rho2(v, w) / (share * share);
         let falloff = self.profile.at(rho2);

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use axum::extract::State;
-use document::{Document, EditError, MAX_CHOSEN_POINTS, MAX_PINS};
-use drag::{Viewport, WorkBudget, drag_budgeted};
+use document::{Document, EditError, check_drag};
+use drag::{Drag, NumberedPin, WorkBudget, drag_budgeted};
 use light::{CheckedLight, LightId};
 use protocol::RenderLimits;
-use protocol::drag_file::{Dragged, FileDrag, NameOrIndex};
+use protocol::drag_file::{DragResult, FileDrag, NameOrIndex};
 use raycast::Bvh;
 
 use super::answer::{HandlerResult, json};
@@ -24,12 +24,11 @@ use crate::solver::SolveTurn;
 use crate::state::App;
 
 /// A drag with its names resolved in the document.
-struct ResolvedFileDrag {
+struct ResolvedDrag {
     light: Arc<CheckedLight>,
-    view: Viewport,
-    drag: drag::Drag,
-    /// Number of each pin in the answer.
-    pins: Vec<usize>,
+    drag: Drag,
+    /// Pins of the light in the document.
+    pins: Vec<NumberedPin>,
 }
 
 /// Solves each drag from the current document, independently of the others.
@@ -54,39 +53,20 @@ pub async fn answer(
     Ok(json(&answers))
 }
 
-fn solve_drag(bvh: &Bvh, resolved: &ResolvedFileDrag, turn: &mut SolveTurn) -> Dragged {
+fn solve_drag(bvh: &Bvh, resolved: &ResolvedDrag, turn: &mut SolveTurn) -> DragResult {
     let began = Instant::now();
-    let ResolvedFileDrag { light, view, drag, pins } = resolved;
+    let ResolvedDrag { light, drag, pins } = resolved;
     let turn = RefCell::new(turn);
     let may_continue = |steps| turn.borrow_mut().may_continue(steps);
-    let result = drag_budgeted(bvh, view, light, drag, &WorkBudget::new(&may_continue));
-    let name = |node: usize| bvh.posed.scene.nodes[node].name.clone();
-    Dragged::new(&result, pins, name, began.elapsed().as_secs_f64())
+    let result = drag_budgeted(bvh, light, drag, pins, &WorkBudget::new(&may_continue));
+    DragResult::new(&result, began.elapsed().as_secs_f64())
 }
 
 /// Resolves the names of lights and cameras in the document. A drag without pins of its own gets the document's.
-fn resolve_drag(
-    file_drag: &FileDrag,
-    document: &Document,
-    scene: &DecodedScene,
-) -> Result<ResolvedFileDrag, ServerError> {
+fn resolve_drag(file_drag: &FileDrag, document: &Document, scene: &DecodedScene) -> Result<ResolvedDrag, ServerError> {
     let size = RenderLimits::HTTP.check_size(file_drag.size)?;
     if size.contains(&0) {
         return Err(EditError::EmptyViewport.into());
-    }
-    let chosen = file_drag.points.as_ref().map_or(0, Vec::len);
-    let pinned = file_drag.pins.as_ref().map_or(0, Vec::len);
-    for (what, count, limit) in [("control points", chosen, MAX_CHOSEN_POINTS), ("pins", pinned, MAX_PINS)] {
-        if count > limit {
-            return Err(EditError::TooManyChosen { what, limit }.into());
-        }
-    }
-    let light_of = |name: &NameOrIndex| light_named(document, name);
-    let id = light_of(&file_drag.light)?;
-    file_drag.pins.iter().flatten().try_for_each(|pin| light_of(&pin.light).map(|_| ()))?;
-    let (mut drag, mut pins) = file_drag.to_domain(|name| light_of(name).is_ok_and(|light| light == id));
-    if file_drag.pins.is_none() {
-        (pins, drag.pins) = document.pins_of(id).map(|(id, pin)| (id.0 as usize, pin.clone())).unzip();
     }
     let camera = match &file_drag.camera {
         None => default_camera(document, scene, f64::from(size[0]) / f64::from(size[1])),
@@ -98,8 +78,14 @@ fn resolve_drag(
             camera.cloned().ok_or_else(|| not_found("camera", name))?
         }
     };
+    let light_of = |name: &NameOrIndex| light_named(document, name);
+    let id = light_of(&file_drag.light)?;
+    let drag = file_drag.to_domain(camera, |name| light_of(name).is_ok_and(|light| light == id));
+    check_drag(&drag)?;
+    file_drag.pins.iter().flatten().try_for_each(|pin| light_of(&pin.light).map(|_| ()))?;
     let light = document.lights().get(&id).map(|placed| Arc::clone(&placed.light)).ok_or(ServerError::Internal)?;
-    Ok(ResolvedFileDrag { light, view: Viewport { camera, size }, drag, pins })
+    let pins = document.pins_of(id).map(|(id, pin)| NumberedPin { number: id.0, pin: pin.clone() }).collect();
+    Ok(ResolvedDrag { light, drag, pins })
 }
 
 /// Returns the light of that name, or of that index among all lights.

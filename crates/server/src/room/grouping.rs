@@ -1,6 +1,7 @@
 //! Groups of edits that make one step. Each edit is read in the document after the ones before it, including names.
 
-use document::{Command, Document, GroupedCommand, SolvedDrag, execute_command};
+use document::{Command, Document, GroupedCommand, execute_command};
+use drag::DragResult;
 use edit::{EditRefusal, GroupedEdit};
 
 use crate::ServerError;
@@ -10,7 +11,7 @@ use crate::scenes::DecodedScene;
 /// A command, completed from the scene, with the result of its drag.
 pub(super) struct CompletedCommand {
     pub command: Command,
-    pub solved: Option<SolvedDrag>,
+    pub solved: Option<DragResult>,
 }
 
 /// Returns the edits as they apply from `document` on, in `scene`. `complete` completes a command from the scene in a

@@ -4,7 +4,8 @@
 use std::cell::RefCell;
 use std::task::Poll;
 
-use document::{Command, Document, EditError, SolvedDrag, fill_in_from_scene, solve_drag_budgeted};
+use document::{Command, Document, EditError, fill_in_from_scene, solve_drag_budgeted};
+use drag::DragResult;
 use drag::WorkBudget;
 use edit::{EditRequest, GroupedEdit};
 use tokio::task::{AbortHandle, Id};
@@ -21,7 +22,7 @@ use crate::solver::{SolveTurn, Solver};
 #[derive(Clone)]
 pub(super) enum CommandSolution {
     /// Result of a feature drag.
-    Drag(SolvedDrag),
+    Drag(DragResult),
     /// The command that bends a light, completed.
     Bend(Command),
     /// The edits of a group, each in the document after the ones before it.
@@ -67,7 +68,7 @@ pub(super) fn into_edit_request(
     action: RecordAction,
     found: FoundSolution,
     document: &Document,
-) -> Result<(EditRequest, Option<SolvedDrag>), ServerError> {
+) -> Result<(EditRequest, Option<DragResult>), ServerError> {
     Ok(match (action, found) {
         (RecordAction::Edit(RequestedEdit { base_seq, command }), found) => {
             let CompletedCommand { command, solved } = with_solution(command.of(document)?, found)?;

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{Change, Command, SceneContents, SolvedDrag};
+use document::{Change, Command, SceneContents};
+use drag::DragResult;
 use edit::{Actor, EditRequest, EditSources, Record, Reverted};
 use protocol::{EditResult, GestureStatus, Outcome, ServerMessage};
 use store::Rejection;
@@ -48,7 +49,7 @@ impl Room {
     async fn outcome_of(
         &mut self,
         op_id: &str,
-        request: Result<(EditRequest, Option<SolvedDrag>), ServerError>,
+        request: Result<(EditRequest, Option<DragResult>), ServerError>,
         actor: &Actor,
         tick: &mut Tick,
     ) -> (Outcome, bool) {
@@ -76,7 +77,7 @@ impl Room {
     async fn apply_request(
         &mut self,
         request: EditRequest,
-        solved: Option<SolvedDrag>,
+        solved: Option<DragResult>,
         actor: &Actor,
         op_id: &str,
         tick: &mut Tick,

@@ -1,15 +1,13 @@
 //! Drags of every size, as numbers that can be drawn at random and changed one at a time.
 
 use bench::drag::{FEATURES, TrialScene};
-use drag::{Drag, DragPin, Feature, RadiusMode};
+use drag::{Drag, DragPin, Feature, NumberedPin, PinKind, RadiusMode};
 use fastrand::Rng;
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{CONE_ANGLE, END_MODE, ROTATION, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, MAX_SEGMENTS};
 use reference::ReferenceLight;
 use scene::{Material, Mesh, Node, Primitive, Scene};
-
-use crate::drags::pins::pin_kind;
 
 /// Maximum number of pins of a drag.
 pub const MOST_PINS: usize = 256;
@@ -129,7 +127,8 @@ impl WorkCase {
         let points = (count > 0).then(|| (all - count..all).collect());
         let pins = self.pins(stage, &light, size);
         let Self { feature, radii, source_outside, .. } = *self;
-        Some((light, Drag { feature, points, radii, from, to, pins, source_outside }))
+        let (view, pins) = (stage.view.clone(), Some(NumberedPin::by_index(pins)));
+        Some((light, Drag { feature, points, radii, view, from, to, pins, source_outside }))
     }
 
     /// Makes a light from above, aimed at `aim` in scene space.
@@ -182,6 +181,16 @@ impl WorkCase {
             Some(DragPin { kind, at: surface.position + stage.origin(), caster: None, is_hard })
         });
         pins.take(self.pins).collect()
+    }
+}
+
+/// Returns a kind of pin that holds where the light arrives or does not. `stays` pins that alone, and not from where.
+fn pin_kind(is_visible: bool, stays: bool) -> PinKind {
+    match (is_visible, stays) {
+        (true, true) => PinKind::Lit,
+        (true, false) => PinKind::Direction,
+        (false, true) => PinKind::Shadowed,
+        (false, false) => PinKind::Shadow,
     }
 }
 

@@ -1,0 +1,168 @@
+//! Drags judged by the picture before and after, with rays of the reference alone.
+
+use drag::{DragResult, DragStatus, Feature, WorkBudget, drag_by_picture};
+use glam::DVec2;
+use light::CheckedLight;
+use reference::{LinkedNodes, Reference, ReferenceLight, ShadedPoint};
+use scene::View;
+
+use crate::support::{self, TestScene, Trial, trials};
+
+const GRID: [u32; 2] = [72, 40];
+
+struct Judge {
+    reference: Reference,
+    view: View,
+    points: Vec<ShadedPoint>,
+}
+
+#[derive(Clone, Copy)]
+struct Lit {
+    brightness: f64,
+    is_visible: bool,
+}
+
+impl Judge {
+    fn new(scene: &TestScene) -> Self {
+        let reference = scene.reference();
+        let view = View::beauty(scene.view.camera.clone(), scene.view.size);
+        let size = DVec2::from(scene.view.size.map(f64::from));
+        let cell = size / DVec2::new(f64::from(GRID[0]), f64::from(GRID[1]));
+        let pixels = (0..GRID[0] * GRID[1])
+            .map(|k| DVec2::new(f64::from(k % GRID[0]) + 0.5, f64::from(k / GRID[0]) + 0.5) * cell);
+        let points = pixels.filter_map(|pixel| reference.surface(&view, pixel)).collect();
+        Self { reference, view, points }
+    }
+
+    fn at(&self, light: &ReferenceLight, surface: &ShadedPoint) -> Option<Lit> {
+        let sample = self.reference.sample(light, surface)?;
+        let cosine = surface.normal.dot(sample.coords.direction).max(0.0);
+        Some(Lit { brightness: sample.irradiance.max_element() * cosine, is_visible: sample.is_visible })
+    }
+
+    fn picture(&self, light: &CheckedLight) -> Vec<Option<Lit>> {
+        let light = ReferenceLight::new(light);
+        self.points.iter().map(|surface| self.at(&light, surface)).collect()
+    }
+
+    /// Share of the lit pixels that keep half of their brightness. Pixels in the shadow of the moved caster do not
+    /// count.
+    fn kept(
+        &self,
+        before: &[Option<Lit>],
+        after: &[Option<Lit>],
+        moved: &CheckedLight,
+        caster: Option<usize>,
+    ) -> Option<f64> {
+        let bright = |lit: &Option<Lit>| lit.filter(|lit| lit.is_visible).map_or(0.0, |lit| lit.brightness);
+        let brightest = before.iter().map(bright).fold(0.0, f64::max);
+        let origin = self.reference.bvh.posed.origin_in_world;
+        let (mut kept, mut all) = (0, 0);
+        for ((was, is), surface) in before.iter().zip(after).zip(&self.points) {
+            if bright(was) <= 0.1 * brightest {
+                continue;
+            }
+            if let (Some(caster), Some(is)) = (caster, is)
+                && !is.is_visible
+            {
+                let position = surface.position + origin;
+                let tube = moved.tube().expect("bendy");
+                let coords = tube.locate(position).point.expect("inside");
+                if self.reference.occluding_node(tube, &LinkedNodes::default(), &coords, position) == Some(caster) {
+                    continue;
+                }
+            }
+            all += 1;
+            kept += usize::from(bright(is) >= 0.5 * bright(was));
+        }
+        (all >= 20).then(|| f64::from(kept as u32) / f64::from(all as u32))
+    }
+
+    /// Returns the light that arrives at a pixel. `None` outside the light.
+    fn brightness_at(&self, light: &CheckedLight, pixel: DVec2) -> Option<Lit> {
+        self.at(&ReferenceLight::new(light), &self.reference.surface(&self.view, pixel)?)
+    }
+}
+
+fn caster_node(judge: &Judge, light: &CheckedLight, pixel: DVec2) -> Option<usize> {
+    let surface = judge.reference.surface(&judge.view, pixel)?;
+    let position = surface.position + judge.reference.bvh.posed.origin_in_world;
+    let tube = light.tube()?;
+    judge.reference.occluding_node(tube, &LinkedNodes::default(), &tube.locate(position).point?, position)
+}
+
+/// Makes `count` drags of shadows over 10 to 60 pixels, as an artist does: from and to surfaces that face the light, with
+/// the caster in front of both.
+fn shadow_drags(scene: &TestScene, judge: &Judge, deforms: bool, count: usize) -> Vec<Trial> {
+    let short = |mut trial: Trial| {
+        let drag = &mut trial.drag;
+        let distance = drag.from.distance(drag.to);
+        drag.to = drag.from.lerp(drag.to, (10.0 + 50.0 * (distance / 7.0).fract()) / distance);
+        drag.points = deforms.then(|| (1..trial.light.light().points().len()).collect());
+        let faces = |pixel| {
+            let at = judge.brightness_at(&trial.light, pixel)?;
+            (at.brightness > 0.0).then_some(())
+        };
+        faces(drag.from).and(faces(drag.to))?;
+        let (from, _) = scene.tube_point(&trial.light, drag.from)?;
+        let (to, _) = scene.tube_point(&trial.light, drag.to)?;
+        let caster = scene.caster_of(&trial.light, drag.from)?;
+        let is_in_front = [from, to].iter().all(|at| (caster - at.position).normalize().dot(at.normal) > 0.1);
+        is_in_front.then_some(trial)
+    };
+    trials(scene, Feature::Shadow, 12 * count).filter_map(short).take(count).collect()
+}
+
+/// Results of drags that landed.
+#[derive(Default)]
+struct Landed {
+    count: usize,
+    seen: usize,
+    kept: Vec<f64>,
+}
+
+fn judge_drags(judge: &Judge, drags: &[Trial], all: &mut Landed, solve: impl Fn(&Trial) -> DragResult) {
+    for trial in drags {
+        let result = solve(trial);
+        if result.outcome.status != DragStatus::Landed {
+            continue;
+        }
+        let moved = CheckedLight::new(result.light).expect("valid");
+        let [was, is] = [(&trial.light, trial.drag.from), (&moved, trial.drag.to)]
+            .map(|(light, pixel)| judge.brightness_at(light, pixel).map_or(0.0, |at| at.brightness));
+        all.count += 1;
+        all.seen += usize::from(is >= 0.5 * was);
+        let [before, after] = [&trial.light, &moved].map(|light| judge.picture(light));
+        all.kept.extend(judge.kept(&before, &after, &moved, caster_node(judge, &trial.light, trial.drag.from)));
+    }
+    all.kept.sort_by(f64::total_cmp);
+}
+
+/// Of the shadows 85 % land, nine in ten of these can be seen, and the median drag keeps 85 % of what was lit.
+fn keeps_the_picture(landed: &Landed, of: usize) -> bool {
+    let median = landed.kept[landed.kept.len() / 2];
+    100 * landed.count >= 85 * of && 10 * landed.seen >= 9 * landed.count && median >= 0.85
+}
+
+/// The solver by the picture passes; the one that moves control points least is the planted fault.
+#[test]
+fn dragged_shadows_keep_the_picture() {
+    const COUNT: usize = 12;
+    let (mut of, mut by_picture, mut by_points) = (0, Landed::default(), Landed::default());
+    for scene in support::scenes() {
+        let judge = Judge::new(&scene);
+        let drags = [false, true].map(|deforms| shadow_drags(&scene, &judge, deforms, COUNT)).concat();
+        of += drags.len();
+        judge_drags(&judge, &drags, &mut by_picture, |trial| {
+            drag_by_picture(&scene.bvh, &trial.light, &trial.drag, &[], &WorkBudget::new(&|_| true))
+        });
+        judge_drags(&judge, &drags, &mut by_points, |trial| scene.run(trial));
+    }
+    for (landed, name) in [(&by_picture, "picture"), (&by_points, "points")] {
+        let Landed { count, seen, kept } = landed;
+        let (median, tenth) = (kept[kept.len() / 2], kept[kept.len() / 10]);
+        println!("by {name}: {count} of {of} landed, {seen} seen, keep {median:.2}, {tenth:.2}");
+    }
+    assert!(keeps_the_picture(&by_picture, of));
+    assert!(!keeps_the_picture(&by_points, of));
+}
