@@ -84,7 +84,7 @@ pub enum Command {
     },
     /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another position in a picture. The
     /// drag keeps the document's pins of the light.
-    DragFeature(Box<Drag>),
+    DragFeature(Box<Drag<u64, Camera>>),
     /// Adds a pin.
     AddPin { pin: Pin },
     /// Removes a pin.
@@ -328,7 +328,9 @@ impl From<&document::Command> for Command {
                 position: position.to_array(),
                 radii: if *radii_follow { DragRadii::Follow } else { DragRadii::Keep },
             },
-            C::DragFeature { light, drag } => Self::DragFeature(Box::new(Drag::new(*light, drag))),
+            C::DragFeature { light, drag } => {
+                Self::DragFeature(Box::new(Drag::new(light.0, (&drag.view.camera).into(), drag)))
+            }
             C::AddPin(pin) => Self::AddPin { pin: pin.into() },
             C::RemovePin(pin) => Self::RemovePin { pin: pin.0 },
             C::SetPin { pin, is_hard } => Self::SetPin { pin: pin.0, hard: *is_hard },

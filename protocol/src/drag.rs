@@ -8,7 +8,6 @@ use light::LightId;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::Camera;
 use crate::conversion::same_variants;
 use crate::vector::Vec3;
 
@@ -54,11 +53,11 @@ pub enum PinKind {
     Shadow,
 }
 
-/// [`drag::Drag`] in JSON, with its light. M is the surface seen at `from`, M' the surface seen at `to`.
 // A command has the light's id and a camera with all its values, a drag file the name or index of each.
+/// [`drag::Drag`] in JSON, with its light. M is the surface seen at `from`, M' the surface seen at `to`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
-pub struct Drag<L = u64, C = Camera> {
+pub struct Drag<L, C> {
     /// Light: its id, or in a drag file its name or its index.
     pub light: L,
     /// Feature to drag.
@@ -88,6 +87,23 @@ pub struct Drag<L = u64, C = Camera> {
 }
 
 impl<L, C> Drag<L, C> {
+    /// Converts a drag of the light to JSON. `pins` is left out, since a command has none of its own.
+    pub(crate) fn new(light: L, camera: C, drag: &drag::Drag) -> Self {
+        let drag::Drag { feature, points, radii, view, from, to, source_outside, .. } = drag;
+        Self {
+            light,
+            kind: (*feature).into(),
+            points: points.clone(),
+            radii: (*radii).into(),
+            camera,
+            size: view.size,
+            from: from.to_array(),
+            to: to.to_array(),
+            pins: None,
+            source_outside: *source_outside,
+        }
+    }
+
     /// Converts to the domain, with the camera that `camera` refers to. Leaves out the pins for which `is_dragged` is
     /// false, and numbers the others by their index in `pins`.
     pub fn to_domain(&self, camera: scene::Camera, is_dragged: impl Fn(&NameOrIndex) -> bool) -> drag::Drag {
@@ -104,26 +120,6 @@ impl<L, C> Drag<L, C> {
             to: self.to.into(),
             pins,
             source_outside: self.source_outside,
-        }
-    }
-}
-
-impl Drag {
-    /// Converts a drag of the light to JSON.
-    pub fn new(light: LightId, drag: &drag::Drag) -> Self {
-        let drag::Drag { feature, points, radii, view, from, to, pins, source_outside } = drag;
-        let pin = |pin: &NumberedPin| DragPin::new(light, &pin.pin);
-        Self {
-            light: light.0,
-            kind: (*feature).into(),
-            points: points.clone(),
-            radii: (*radii).into(),
-            camera: (&view.camera).into(),
-            size: view.size,
-            from: from.to_array(),
-            to: to.to_array(),
-            pins: pins.as_ref().map(|pins| pins.iter().map(pin).collect()),
-            source_outside: *source_outside,
         }
     }
 }
@@ -315,11 +311,6 @@ impl From<drag::DragStatus> for StatusFields {
 }
 
 impl DragPin {
-    fn new(light: LightId, pin: &drag::DragPin) -> Self {
-        let drag::DragPin { kind, at, caster, is_hard } = pin.clone();
-        Self { kind: kind.into(), light: NameOrIndex::Index(light.0 as usize), at: at.into(), caster, hard: is_hard }
-    }
-
     fn to_domain(&self) -> drag::DragPin {
         drag::DragPin { kind: self.kind.into(), at: self.at.into(), caster: self.caster.clone(), is_hard: self.hard }
     }

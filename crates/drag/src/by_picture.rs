@@ -33,8 +33,8 @@ const SAME_POINT_TOLERANCE: f64 = 1e-6;
 /// Drags a feature of `light` from one point of a picture to another, and changes the rest of the picture as little as
 /// it can. Keeps `pins` if the drag has none of its own, and counts the steps in `work`.
 ///
-/// Where the feature does not land under the cursor, the result is that of the same drag to the last pixel of the
-/// straight way at which it lands. With less than a third of the way, the light stays as it is.
+/// If the feature does not land under the cursor, the result is that of the same drag to the last pixel of the straight
+/// way at which it lands. With less than a third of the way, the light stays as it is.
 pub fn drag_by_picture(
     bvh: &Bvh,
     light: &CheckedLight,

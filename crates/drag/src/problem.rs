@@ -56,11 +56,11 @@ pub(crate) struct Problem<'a> {
 /// Values of `t` that are tracked while the light moves.
 #[derive(Clone, Debug)]
 pub(crate) struct Tracked {
-    /// Of the feature and of its caster.
+    /// Values of the feature and of its caster.
     pub feature: [f64; 2],
-    /// Of each pin and its caster.
+    /// Values of each pin and its caster.
     pub pins: Vec<[f64; 2]>,
-    /// Of the points of the metric.
+    /// Values of the points of the metric.
     pub points: Vec<f64>,
 }
 
@@ -168,7 +168,7 @@ impl<'a> Problem<'a> {
     pub fn rays(&self, x: &[f64]) -> Option<LightRays> {
         let points = self.start.light().points().len() as u64;
         let of_a_point = if matches!(self.unknowns, Unknowns::Points { .. }) { STEPS_OF_POINT } else { STEPS_OF_COPY };
-        self.work().spend(of_a_point * points).then(|| self.unknowns.rays(self.start, x))?
+        self.work().spend(of_a_point * points).then(|| self.unknowns.rays_that_may_fold(self.start, x))?
     }
 
     pub fn work(&self) -> &'a WorkBudget<'a> {
