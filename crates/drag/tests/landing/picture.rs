@@ -138,7 +138,7 @@ fn judge_drags(judge: &Judge, drags: &[Trial], all: &mut Landed, solve: impl Fn(
     all.kept.sort_by(f64::total_cmp);
 }
 
-/// Of the shadows 85 % land, nine in ten of these can be seen, and the median drag keeps 85 % of what was lit.
+/// True if 85 % of the shadows land, nine in ten of these can be seen, and the median drag keeps 85 % of what was lit.
 fn keeps_the_picture(landed: &Landed, of: usize) -> bool {
     let median = landed.kept[landed.kept.len() / 2];
     100 * landed.count >= 85 * of && 10 * landed.seen >= 9 * landed.count && median >= 0.85
