@@ -6,7 +6,7 @@ use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::DragLimit;
 
 /// Least `1 - kappa r.N` that a drag allows. At 0 the light paths meet, and light has no direction there.
-const MIN_PATH_SPACING: f64 = 0.02;
+pub(crate) const MIN_PATH_SPACING: f64 = 0.02;
 
 /// Least distance of the point under the cursor from the light's edge, in radii.
 pub(crate) const EDGE_MARGIN: f64 = 1e-4;

@@ -5,20 +5,16 @@ use light::{CheckedLight, Light};
 use raycast::{Bvh, SeenPoint};
 
 use crate::chain::follow;
-use crate::drag::{choose_unknowns, limit_unmoved, pick, seen_at};
+use crate::drag::{CONVERGED_PX, DragStart, SAME_POINT_TOLERANCE, limit_unmoved, pick, seen_at};
 use crate::dragged_feature::DraggedFeature;
 use crate::goal::TakenFeature;
 use crate::moves::Unknowns;
-use crate::occlusion::{Occlusion, ShadowCaster};
+use crate::occlusion::Occlusion;
 use crate::picture_metric::PictureMetric;
-use crate::pins::PinState;
-use crate::point_in_light::{PointInLight, SceneLight};
+use crate::point_in_light::PointInLight;
 use crate::problem::{Problem, Tracked};
-use crate::request::{Drag, DragLimit, DragRefusal, DragResult, DragStatus, Feature, NumberedPin, RadiusMode};
+use crate::request::{Drag, DragLimit, DragResult, DragStatus, Feature, NumberedPin, RadiusMode};
 use crate::work::WorkBudget;
-
-/// Largest distance in pixels of a feature that counts as being under the cursor.
-const LANDED_PX: f64 = 0.5;
 
 /// Number of parts of the way whose ends are tried, from the cursor backwards, before the last part is halved.
 const PARTS: u32 = 8;
@@ -26,12 +22,9 @@ const PARTS: u32 = 8;
 /// Least share of the way that a limited drag covers. A drag that covers less leaves the light as it is.
 const LEAST_SHARE: f64 = 1.0 / 3.0;
 
-/// Largest distance at which two points of a light path count as the same point, as a share of their distance from the
-/// source or from the point under the cursor.
-const SAME_POINT_TOLERANCE: f64 = 1e-6;
-
 /// Drags a feature of `light` from one point of a picture to another, and changes the rest of the picture as little as
-/// it can. Keeps `pins` if the drag has none of its own, and counts the steps in `work`.
+/// it can. Counts the steps in `work`. Keeps `pins` if the drag has none of its own: the directions and shadows that
+/// they name, but not yet that a point is lit or shadowed, nor that the source stays out of surfaces.
 ///
 /// If the feature does not land under the cursor, the result is that of the same drag to the last pixel of the straight
 /// way at which it lands. With less than a third of the way, the light stays as it is.
@@ -50,7 +43,7 @@ pub fn drag_by_picture(
         Ok(start) => {
             let origin = bvh.posed.origin_in_world;
             result.outcome.pivot_world = start.caster.map(|caster| caster.position + origin);
-            start.run(&mut result);
+            PictureDrag::new(&occlusion, light, drag, start).run(&mut result);
         }
     }
     if work.is_exhausted() {
@@ -60,16 +53,12 @@ pub fn drag_by_picture(
     result
 }
 
-/// Start of a drag, the same for all its ends.
-struct DragStart<'a> {
+/// Drag that keeps the picture, to any end.
+struct PictureDrag<'a> {
     occlusion: &'a Occlusion<'a>,
     light: &'a CheckedLight,
     drag: &'a Drag,
-    placed: SceneLight<'a>,
-    from: SeenPoint,
-    coords: PointInLight,
-    caster: Option<ShadowCaster>,
-    pins: Vec<PinState>,
+    start: DragStart<'a>,
     metric: PictureMetric,
     /// Unknowns, and those to try if the tube would fold with them.
     unknowns: Vec<Unknowns>,
@@ -83,40 +72,21 @@ struct Landing {
     iterations: usize,
 }
 
-impl<'a> DragStart<'a> {
-    /// Builds the start, or returns the reason to refuse the drag.
-    fn new(
-        occlusion: &'a Occlusion<'a>,
-        light: &'a CheckedLight,
-        drag: &'a Drag,
-        pins: &[NumberedPin],
-        [from, to]: [Option<SeenPoint>; 2],
-    ) -> Result<Self, DragRefusal> {
-        let from = from.ok_or(DragRefusal::NothingAtStart)?;
-        let to = to.ok_or(DragRefusal::NothingAtEnd)?;
-        let placed = SceneLight::new(light.rays(), occlusion.bvh.posed.origin_in_world, from.position, occlusion.work);
-        let coords = placed.locate(from.position, None).ok_or(DragRefusal::OutsideTheLight)?;
-        if !placed.contains(&coords) || !occlusion.is_node_lit(from.node) {
-            return Err(DragRefusal::OutsideTheLight);
-        }
-        if !occlusion.is_node_lit(to.node) {
-            return Err(DragRefusal::NothingAtEnd);
-        }
-        let caster = match drag.feature {
-            Feature::Shadow => Some(occlusion.first_caster(&placed, &coords, &from).ok_or(DragRefusal::NoShadow)?),
-            _ => None,
+impl<'a> PictureDrag<'a> {
+    fn new(occlusion: &'a Occlusion<'a>, light: &'a CheckedLight, drag: &'a Drag, start: DragStart<'a>) -> Self {
+        // The wish of a dragged hotspot is that the picture changes.
+        let metric = if drag.feature == Feature::Hotspot {
+            PictureMetric::default()
+        } else {
+            PictureMetric::new(occlusion, &drag.view, &start.placed, start.caster.map(|caster| caster.node))
         };
-        let pins = pins.iter().map(|pin| PinState::new(occlusion, &placed, pin));
-        let pins: Vec<PinState> = pins.filter_map(Result::transpose).collect::<Result<_, _>>()?;
-        let unknowns = choose_unknowns(light, drag, from.position.distance(placed.source()))?;
-        let metric = PictureMetric::new(occlusion, &drag.view, &placed, caster.map(|caster| caster.node));
-        let unknowns = match unknowns {
+        let unknowns = match &start.unknowns {
             Unknowns::Points { points, radii: RadiusMode::Follow, unit } => [RadiusMode::Keep, RadiusMode::Follow]
-                .map(|radii| Unknowns::Points { points: points.clone(), radii, unit })
+                .map(|radii| Unknowns::Points { points: points.clone(), radii, unit: *unit })
                 .to_vec(),
-            unknowns => vec![unknowns],
+            unknowns => vec![unknowns.clone()],
         };
-        Ok(Self { occlusion, light, drag, placed, from, coords, caster, pins, metric, unknowns })
+        Self { occlusion, light, drag, start, metric, unknowns }
     }
 
     /// Drags the feature to the cursor, or as far as it lands, and writes the result.
@@ -174,24 +144,17 @@ impl<'a> DragStart<'a> {
     }
 
     fn land_with(&self, unknowns: &Unknowns, pixel: DVec2, to: SeenPoint) -> Result<Landing, DragLimit> {
-        let taken = TakenFeature {
-            feature: self.drag.feature,
-            from: self.from,
-            to,
-            pivot: self.caster.map(|caster| caster.position),
-            start_coords: self.coords,
-            directions: [self.coords.to_light, self.drag.feature.target_direction(&to)],
-        };
+        let taken = self.start.taken(self.drag.feature, to);
         let problem = Problem {
             start: self.light,
             unknowns,
-            scene_light: self.placed.clone(),
+            scene_light: self.start.placed.clone(),
             taken: &taken,
             metric: &self.metric,
-            pins: &self.pins,
+            pins: &self.start.pins,
             folds: self.light.tube().map_or_else(Vec::new, light::Tube::r_kappa_max),
         };
-        let near = problem.tracked_at_start([self.coords.t, self.caster.map_or(0.0, |caster| caster.t)]);
+        let near = problem.tracked_at_start(self.start.feature_t());
         let end = follow(&problem, &near, self.drag.from.distance(pixel))?;
         let moved = CheckedLight::new(unknowns.light(self.light.light(), &end.x)).map_err(|_| DragLimit::Fold)?;
         let (residual_px, shadowed_by) = self.judge(&taken, &moved, &end.tracked, pixel)?;
@@ -207,10 +170,10 @@ impl<'a> DragStart<'a> {
         tracked: &Tracked,
         pixel: DVec2,
     ) -> Result<(f64, Option<usize>), DragLimit> {
-        let placed = self.placed.with(moved.rays());
+        let placed = self.start.placed.with(moved.rays());
         let (bvh, view) = (self.occlusion.bvh, &self.drag.view);
         let residual_px = DraggedFeature { bvh, view, taken, placed: &placed }.distance_px(tracked.feature, pixel);
-        let least_px = if taken.feature == Feature::Diffuse { 0.0 } else { LANDED_PX };
+        let least_px = if taken.feature == Feature::Diffuse { 0.0 } else { CONVERGED_PX };
         if residual_px > least_px {
             return Err(DragLimit::NoDescent);
         }
@@ -224,7 +187,7 @@ impl<'a> DragStart<'a> {
         let is_dark = self.occlusion.is_unlit(&placed, &counts, &taken.to);
         let Some(pivot) = taken.pivot else {
             // A feature that was lit stays lit.
-            let was_dark = self.occlusion.is_unlit(&self.placed, &self.coords, &taken.from);
+            let was_dark = self.occlusion.is_unlit(&self.start.placed, &self.start.coords, &taken.from);
             return if is_dark && !was_dark { Err(DragLimit::NoDescent) } else { Ok((residual_px, None)) };
         };
         let first = self.occlusion.first_caster(&placed, &counts, &taken.to);

@@ -10,7 +10,7 @@ use crate::direct::{other_solutions, solve_with_pins};
 use crate::dragged_feature::DraggedFeature;
 use crate::goal::{Goal, Objective, TakenFeature, TrackedPoints};
 use crate::moves::Unknowns;
-use crate::occlusion::Occlusion;
+use crate::occlusion::{Occlusion, ShadowCaster};
 use crate::pins::PinState;
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::{
@@ -23,14 +23,14 @@ use crate::work::WorkBudget;
 
 /// Largest residual of a converged drag, in pixels. The lit side of a surface has to reach 0, since its residual is 0
 /// wherever the surface faces the light closely enough.
-const CONVERGED_PX: f64 = 0.5;
+pub(crate) const CONVERGED_PX: f64 = 0.5;
 
 /// Cost of checking a light, in steps per control point.
 const CHECK_COST_STEPS: u64 = 1_000;
 
 /// Largest distance at which two points of a light path count as the same point, as a share of their distance from the
 /// source or from the point under the cursor.
-const SAME_POINT_TOLERANCE: f64 = 1e-6;
+pub(crate) const SAME_POINT_TOLERANCE: f64 = 1e-6;
 
 /// Drags a feature of `light` from one point of a picture to another. Keeps `pins` if the drag has none of its own.
 pub fn drag(bvh: &Bvh, light: &CheckedLight, drag: &Drag, pins: &[NumberedPin]) -> DragResult {
@@ -90,50 +90,89 @@ pub(crate) fn seen_at(bvh: &Bvh, view: &Viewport, pixel: DVec2, work: &WorkBudge
     bvh.visible_point_budgeted(&ray, |boxes| work.spend_on_rays(boxes))
 }
 
+/// Start of a drag, the same for all its ends.
+pub(crate) struct DragStart<'a> {
+    pub placed: SceneLight<'a>,
+    pub from: SeenPoint,
+    /// Surface under the cursor.
+    pub to: SeenPoint,
+    /// Light coordinates of `from`.
+    pub coords: PointInLight,
+    /// First caster before `from`, for a dragged shadow.
+    pub caster: Option<ShadowCaster>,
+    pub pins: Vec<PinState>,
+    pub unknowns: Unknowns,
+}
+
+impl<'a> DragStart<'a> {
+    /// Finds the start of a drag between the surfaces of `picked`, or returns the reason to refuse the drag.
+    pub fn new(
+        occlusion: &Occlusion<'a>,
+        light: &'a CheckedLight,
+        drag: &Drag,
+        pins: &[NumberedPin],
+        [from, to]: [Option<SeenPoint>; 2],
+    ) -> Result<Self, DragRefusal> {
+        if drag.points.is_some() && light.tube().is_none() {
+            return Err(DragRefusal::NotBendy);
+        }
+        let from = from.ok_or(DragRefusal::NothingAtStart)?;
+        let to = to.ok_or(DragRefusal::NothingAtEnd)?;
+        let placed = SceneLight::new(light.rays(), occlusion.bvh.posed.origin_in_world, from.position, occlusion.work);
+        let coords = placed.locate(from.position, None).ok_or(DragRefusal::OutsideTheLight)?;
+        if !placed.contains(&coords) || !occlusion.is_node_lit(from.node) {
+            return Err(DragRefusal::OutsideTheLight);
+        }
+        if !occlusion.is_node_lit(to.node) {
+            return Err(DragRefusal::NothingAtEnd);
+        }
+        let caster = match drag.feature {
+            Feature::Shadow => Some(occlusion.first_caster(&placed, &coords, &from).ok_or(DragRefusal::NoShadow)?),
+            _ => None,
+        };
+        let pins = pins.iter().map(|pin| PinState::new(occlusion, &placed, pin));
+        let pins: Vec<PinState> = pins.filter_map(Result::transpose).collect::<Result<_, _>>()?;
+        let unknowns = choose_unknowns(light, drag, from.position.distance(placed.source()))?;
+        Ok(Self { placed, from, to, coords, caster, pins, unknowns })
+    }
+
+    /// Returns the feature with its way to the surface `to`.
+    pub fn taken(&self, feature: Feature, to: SeenPoint) -> TakenFeature {
+        TakenFeature {
+            feature,
+            from: self.from,
+            to,
+            pivot: self.caster.map(|caster| caster.position),
+            start_coords: self.coords,
+            directions: [self.coords.to_light, feature.target_direction(&to)],
+        }
+    }
+
+    /// Returns the values of `t` of the feature and its caster.
+    pub fn feature_t(&self) -> [f64; 2] {
+        [self.coords.t, self.caster.map_or(0.0, |caster| caster.t)]
+    }
+}
+
 /// Builds the goal of the drag and the values of `t` to track, or returns the reason to refuse the drag.
 fn build_goal<'a>(
     occlusion: &Occlusion<'a>,
     light: &'a CheckedLight,
     drag: &Drag,
     pins: &[NumberedPin],
-    [from, to]: [Option<SeenPoint>; 2],
+    picked: [Option<SeenPoint>; 2],
 ) -> Result<(Goal<'a>, TakenFeature, TrackedPoints), DragRefusal> {
-    if drag.points.is_some() && light.tube().is_none() {
-        return Err(DragRefusal::NotBendy);
-    }
-    let from = from.ok_or(DragRefusal::NothingAtStart)?;
-    let to = to.ok_or(DragRefusal::NothingAtEnd)?;
-    let placed = SceneLight::new(light.rays(), occlusion.bvh.posed.origin_in_world, from.position, occlusion.work);
-    let coords = placed.locate(from.position, None).ok_or(DragRefusal::OutsideTheLight)?;
-    if !placed.contains(&coords) || !occlusion.is_node_lit(from.node) {
-        return Err(DragRefusal::OutsideTheLight);
-    }
-    if !occlusion.is_node_lit(to.node) {
-        return Err(DragRefusal::NothingAtEnd);
-    }
-    let caster = match drag.feature {
-        Feature::Shadow => Some(occlusion.first_caster(&placed, &coords, &from).ok_or(DragRefusal::NoShadow)?),
-        _ => None,
-    };
-    let pins = pins.iter().map(|pin| PinState::new(occlusion, &placed, pin));
-    let pins: Vec<PinState> = pins.filter_map(Result::transpose).collect::<Result<_, _>>()?;
-    let mut near = vec![[coords.t, caster.map_or(0.0, |caster| caster.t)]];
-    near.extend(pins.iter().map(PinState::start_t));
-    let taken = TakenFeature {
-        feature: drag.feature,
-        from,
-        to,
-        pivot: caster.map(|caster| caster.position),
-        start_coords: coords,
-        directions: [coords.to_light, drag.feature.target_direction(&to)],
-    };
-    let unknowns = choose_unknowns(light, drag, from.position.distance(placed.source()))?;
+    let start = DragStart::new(occlusion, light, drag, pins, picked)?;
+    let mut near = vec![start.feature_t()];
+    near.extend(start.pins.iter().map(PinState::start_t));
+    let taken = start.taken(drag.feature, start.to);
+    let DragStart { placed, pins, unknowns, .. } = start;
     let goal = Goal::new(Objective::Feature(Box::new(taken.clone())), light, unknowns, placed, pins);
     Ok((goal, taken, near))
 }
 
 /// Selects the unknowns of the drag. `unit` is the unit of length of a rigid motion, in world units.
-pub(crate) fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unknowns, DragRefusal> {
+fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unknowns, DragRefusal> {
     let Some(points) = &drag.points else {
         let is_directional = matches!(light.rays(), LightRays::Parallel(_));
         return Ok(if is_directional { Unknowns::Turn } else { Unknowns::Rigid { unit } });

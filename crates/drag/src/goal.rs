@@ -29,9 +29,9 @@ const ONE_SIDED: f64 = 1e-5;
 
 /// Costs per control point, in steps of the work budget. This one is for rebuilding a tube. The next ones are the
 /// additional cost of radii that follow, and the cost of only moving a tube.
-const STEPS_OF_POINT: u64 = 400;
+pub(crate) const STEPS_OF_POINT: u64 = 400;
 const STEPS_OF_FOLLOWING: u64 = 400;
-const STEPS_OF_COPY: u64 = 40;
+pub(crate) const STEPS_OF_COPY: u64 = 40;
 
 /// Objective, unknowns and constraints of a drag.
 #[derive(Clone, Debug)]

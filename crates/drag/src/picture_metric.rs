@@ -31,7 +31,7 @@ const DIRECTION_WEIGHT: f64 = 0.5;
 
 /// Decrease of the logarithm of a lit point's brightness per radius beyond the light's edge, up to one radius, so that
 /// the loss has a slope.
-const EDGE_SLOPE: f64 = 3.0;
+pub(crate) const EDGE_SLOPE: f64 = 3.0;
 
 /// Half of the range of rho, in radii, in which the edge fades out, and of the distance from an end, in widths.
 const EDGE_FADE: f64 = 0.05;
@@ -39,8 +39,8 @@ const EDGE_FADE: f64 = 0.05;
 /// Cosine below which shading is smoothed.
 const COSINE_FADE: f64 = 0.05;
 
-/// Visible surface points with their light at the start of a drag.
-#[derive(Clone, Debug)]
+/// Visible surface points with their light at the start of a drag. By default there are none.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PictureMetric {
     points: Vec<MetricPoint>,
     /// Irradiance of a bright point.

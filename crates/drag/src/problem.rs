@@ -2,12 +2,12 @@
 
 use light::{CheckedLight, LightRays};
 
-use crate::bound::{Bound, cross_error, direction_error_about, distance_behind, hard_bound};
-use crate::goal::TakenFeature;
+use crate::bound::{Bound, MIN_PATH_SPACING, cross_error, direction_error_about, distance_behind, hard_bound};
+use crate::goal::{STEPS_OF_COPY, STEPS_OF_POINT, TakenFeature};
 use crate::matrix::Matrix;
 use crate::moves::{MAX_R_KAPPA, Unknowns};
 use crate::penalized::{Slopes, StepValues};
-use crate::picture_metric::{PictureMetric, within_edge};
+use crate::picture_metric::{EDGE_SLOPE, PictureMetric, within_edge};
 use crate::pins::PinState;
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::quadratic::Hold;
@@ -23,22 +23,12 @@ const LEAST_BRIGHTNESS_SHARE: f64 = 0.5;
 /// Brightness below which a feature cannot be seen, as a share of the brightest point's.
 const UNSEEN: f64 = 0.02;
 
-/// Slope of the logarithm of the brightness per radius beyond the light's edge.
-const EDGE_SLOPE: f64 = 3.0;
-
 /// Least cosine between the normal under the cursor and the direction to the light.
 const LEAST_COSINE: f64 = 0.05;
 
 /// Room of the feature, in widths or as a cosine, on its way through the air between two surfaces. It shrinks to 0 at
 /// the cursor.
 const ROOM_ON_PATH: f64 = 3.0;
-
-/// Least `1 - kappa r.N` at the cursor. At 0 light paths meet, and light has no direction there.
-const MIN_PATH_SPACING: f64 = 0.02;
-
-/// Costs per control point, in steps of the work budget.
-const STEPS_OF_POINT: u64 = 400;
-const STEPS_OF_COPY: u64 = 40;
 
 /// Drag of a feature.
 pub(crate) struct Problem<'a> {
@@ -107,12 +97,7 @@ impl<'a> Problem<'a> {
         let mut bounds = self.shape_bounds(&rays, x);
         let (error, feature) = self.feature_error(&placed, share, near.feature, &mut bounds)?;
         let (mut equations, mut rows) = (error.to_vec(), Vec::new());
-        // The wish of a dragged hotspot is that the picture changes.
-        let points = if self.taken.feature == Feature::Hotspot {
-            near.points.clone()
-        } else {
-            self.metric.add_rows(&placed, &near.points, &mut rows)
-        };
+        let points = self.metric.add_rows(&placed, &near.points, &mut rows);
         let mut pins = Vec::with_capacity(near.pins.len());
         for (pin, near) in self.pins.iter().zip(&near.pins) {
             let mut errors = Vec::new();

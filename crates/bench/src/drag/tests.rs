@@ -5,6 +5,7 @@ use glam::DVec3;
 use light::parameters::{ROTATION, TRANSLATION};
 use light::{CheckedLight, Light};
 
+use super::picture::PictureGrid;
 use super::{EquationError, FEATURES, Trial, TrialKind, TrialScene, distance_px, paper};
 
 const SIZE: [u32; 2] = [320, 180];
@@ -96,4 +97,20 @@ fn a_deforming_move_keeps_what_is_not_chosen() {
             assert!(chosen.contains(&index) || before == after, "control point {index}");
         }
     }
+}
+
+/// The picture of the same light is the same, and that of a light that has left the scene is lost.
+#[test]
+fn a_changed_picture_is_detected() {
+    let stage = demo();
+    let grid = PictureGrid::new(&stage);
+    let trial = trials(&stage, Feature::Hotspot, false).next().expect("a drag");
+    let stays = Trial { drag: Drag { to: trial.drag.from, ..trial.drag.clone() }, ..trial.clone() };
+    let same = grid.change(&stays, &trial.light);
+    assert_eq!((same.lost, same.is_seen.unwrap_or(true)), (Some(0.0), true), "{same:?}");
+    let light = trial.light.light().clone();
+    let away = light.get(TRANSLATION) + DVec3::X * 1e3;
+    let away = CheckedLight::new(light.with(TRANSLATION, away)).expect("valid");
+    let gone = grid.change(&stays, &away);
+    assert_eq!((gone.lost, gone.is_seen.unwrap_or(false)), (Some(1.0), false), "{gone:?}");
 }

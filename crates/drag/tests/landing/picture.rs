@@ -1,8 +1,9 @@
 //! Drags judged by the picture before and after, with rays of the reference alone.
 
-use drag::{DragResult, DragStatus, Feature, WorkBudget, drag_by_picture};
+use drag::{Drag, DragResult, DragStatus, Feature, Viewport, WorkBudget, drag_by_picture};
 use glam::DVec2;
-use light::CheckedLight;
+use light::parameters::{ROTATION, TRANSLATION};
+use light::{CheckedLight, Light};
 use reference::{LinkedNodes, Reference, ReferenceLight, ShadedPoint};
 use scene::View;
 
@@ -129,9 +130,10 @@ fn judge_drags(judge: &Judge, drags: &[Trial], all: &mut Landed, solve: impl Fn(
         }
         let moved = CheckedLight::new(result.light).expect("valid");
         let [was, is] = [(&trial.light, trial.drag.from), (&moved, trial.drag.to)]
-            .map(|(light, pixel)| judge.brightness_at(light, pixel).map_or(0.0, |at| at.brightness));
+            .map(|(light, pixel)| judge.brightness_at(light, pixel));
         all.count += 1;
-        all.seen += usize::from(is >= 0.5 * was);
+        let is_seen = |(was, is): (Lit, Lit)| !is.is_visible && is.brightness >= 0.5 * was.brightness;
+        all.seen += usize::from(was.zip(is).is_some_and(is_seen));
         let [before, after] = [&trial.light, &moved].map(|light| judge.picture(light));
         all.kept.extend(judge.kept(&before, &after, &moved, caster_node(judge, &trial.light, trial.drag.from)));
     }
@@ -165,4 +167,30 @@ fn dragged_shadows_keep_the_picture() {
     }
     assert!(keeps_the_picture(&by_picture, of));
     assert!(!keeps_the_picture(&by_points, of));
+}
+
+/// Lights of other shapes, a picture of one pixel and a drag that stays give a light that can be evaluated.
+#[test]
+fn every_light_and_view_gives_a_light() {
+    let scene = support::demo();
+    let trial = scene.trial_of_the_demo(None);
+    let placed = |light: Light| {
+        let from = trial.light.light();
+        let light = light.with(TRANSLATION, from.get(TRANSLATION)).with(ROTATION, from.get(ROTATION));
+        CheckedLight::new(light).expect("valid")
+    };
+    let lights = [trial.light.clone(), placed(Light::spot()), placed(Light::omni()), placed(Light::directional())];
+    let pixel = Viewport { size: [1, 1], ..trial.drag.view.clone() };
+    let middle = DVec2::splat(0.5);
+    for light in &lights {
+        for feature in [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse] {
+            let moved = Drag { feature, points: None, ..trial.drag.clone() };
+            let stays = Drag { to: moved.from, ..moved.clone() };
+            let tiny = Drag { view: pixel.clone(), from: middle, to: middle, ..moved.clone() };
+            for drag in [moved, stays, tiny] {
+                let result = drag_by_picture(&scene.bvh, light, &drag, &[], &WorkBudget::new(&|_| true));
+                assert!(CheckedLight::new(result.light).is_ok(), "{feature:?} {:?}", result.outcome);
+            }
+        }
+    }
 }
