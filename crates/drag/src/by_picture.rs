@@ -38,7 +38,7 @@ pub fn drag_by_picture(
     let pins = drag.pins.as_deref().unwrap_or(pins);
     let (picked, mut result) = pick(bvh, light, drag, work);
     let occlusion = Occlusion::new(bvh, light, work);
-    match DragStart::new(&occlusion, light, drag, pins, picked) {
+    match DragStart::new(&occlusion, light, drag, pins, &picked) {
         Err(refusal) => result.outcome.status = DragStatus::Refused(refusal),
         Ok(start) => {
             let origin = bvh.posed.origin_in_world;

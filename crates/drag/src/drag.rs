@@ -48,7 +48,7 @@ pub fn drag_budgeted(
     let pins = drag.pins.as_deref().unwrap_or(pins);
     let (picked, mut result) = pick(bvh, light, drag, work);
     let occlusion = Occlusion::new(bvh, light, work);
-    match build_goal(&occlusion, light, drag, pins, picked) {
+    match build_goal(&occlusion, light, drag, pins, &picked) {
         _ if work.is_exhausted() => limit_unmoved(&mut result, drag),
         Err(refusal) => result.outcome.status = DragStatus::Refused(refusal),
         Ok((goal, taken, near)) => {
@@ -111,11 +111,12 @@ impl<'a> DragStart<'a> {
         light: &'a CheckedLight,
         drag: &Drag,
         pins: &[NumberedPin],
-        [from, to]: [Option<SeenPoint>; 2],
+        picked: &[Option<SeenPoint>; 2],
     ) -> Result<Self, DragRefusal> {
         if drag.points.is_some() && light.tube().is_none() {
             return Err(DragRefusal::NotBendy);
         }
+        let [from, to] = *picked;
         let from = from.ok_or(DragRefusal::NothingAtStart)?;
         let to = to.ok_or(DragRefusal::NothingAtEnd)?;
         let placed = SceneLight::new(light.rays(), occlusion.bvh.posed.origin_in_world, from.position, occlusion.work);
@@ -160,7 +161,7 @@ fn build_goal<'a>(
     light: &'a CheckedLight,
     drag: &Drag,
     pins: &[NumberedPin],
-    picked: [Option<SeenPoint>; 2],
+    picked: &[Option<SeenPoint>; 2],
 ) -> Result<(Goal<'a>, TakenFeature, TrackedPoints), DragRefusal> {
     let start = DragStart::new(occlusion, light, drag, pins, picked)?;
     let mut near = vec![start.feature_t()];
