@@ -22,6 +22,7 @@ const OLD_LOGS: &[OldLog] = &[
     OldLog { format: 3, records: 60, hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6" },
     OldLog { format: 4, records: 60, hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6" },
     OldLog { format: 5, records: 63, hash: "a419a0fdfc3136bbd70d61fa174532c13f892e9cbdc5213ac9c3e0fbfb9b0365" },
+    OldLog { format: 6, records: 73, hash: "126d66cc137c9772dcc9f1ee07e6325db35034ea03e79a7191f7ce500edc5a76" },
 ];
 
 fn folder() -> PathBuf {
@@ -172,6 +173,10 @@ fn old_logs_hold_everything_their_format_has() {
     }
     // Additions of format 5.
     assert!(OLD_LOGS[4..].iter().all(|log| log.text().contains(r#""action":{"type":"group""#)));
+    // Additions of format 6.
+    for part in [r#""at":"blue vase""#, r#""kind":"look""#, r#""kind":"coordinates""#] {
+        assert!(OLD_LOGS[5..].iter().all(|log| log.text().contains(part)), "{part}");
+    }
 }
 
 /// Collects every `type` within `value`.

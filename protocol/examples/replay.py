@@ -5,7 +5,7 @@
 
 Applies the changes of every record, with --to up to record N, to an empty document, and holds
 document and lines to the log's checkpoints. Prints one line of JSON where all is right, else one
-sentence on standard error, and exits with 1; with 2 for formats other than 3 to 5 (REC-5).
+sentence on standard error, and exits with 1; with 2 for formats other than 3 to 6 (REC-5).
 """
 
 import argparse
@@ -22,7 +22,8 @@ from typing import Any
 
 PARAMETERS = Path(__file__).parent.parent / "vectors" / "parameters.json"
 LIGHT_TYPES = {"spot": 0, "bendy": 1, "directional": 4, "omni": 5}
-PIN_KINDS = {"direction": 0, "lit": 1, "shadowed": 2, "shadow": 3}
+PIN_KINDS = {"direction": 0, "lit": 1, "shadowed": 2, "shadow": 3, "look": 4, "coordinates": 5}
+NODE_PIN = 0x80
 # In a JSON string its quotes would be escaped, so this finds no text that only looks like one.
 REFERENCE = re.compile(rb'\{"sameAs":\{"record":(\d+),"at":(\d+),"hash":"([^"]*)"\}\}')
 MOST_BYTES = 32 * 1024 * 1024  # of a record in full (REC-6)
@@ -184,8 +185,10 @@ def read_camera(given: dict) -> dict[str, bytes]:
 def read_pin(given: dict) -> bytes:
     caster = given.get("caster")
     named = u8(0) + text("") if caster is None else u8(1) + text(caster)
-    head = u64(given["light"]) + u8(PIN_KINDS[given["kind"]])
-    return head + vector(given["at"]) + named + u8(given["hard"])
+    at, kind = given["at"], PIN_KINDS[given["kind"]]
+    # A pin is at a position, or of a node that it names.
+    place = u8(NODE_PIN + kind) + text(at) if isinstance(at, str) else u8(kind) + vector(at)
+    return u64(given["light"]) + place + named + u8(given["hard"])
 
 
 # The hash of a document, which is {"scene": as in JSON, and by id "light", "camera" and "pin"}.
@@ -334,7 +337,7 @@ def parse(line: bytes, where: str) -> dict[str, Any]:
 
 def check_format(format: int, taken: tuple[int, ...], what: str) -> None:
     if format not in taken:
-        raise OtherFormat(f"{what} is of format {format}, and this reader takes formats 3 to 5")
+        raise OtherFormat(f"{what} is of format {format}, and this reader takes formats 3 to 6")
 
 
 def check_seq(seq: int, expected: int, what: str) -> None:
@@ -365,7 +368,7 @@ def replay(log: Path, to: int | None) -> dict[str, Any]:
         header = parse(header_line, "the header")
         if "format" not in header or "session" not in header:
             raise Fault("the first line is no header")
-        check_format(header["format"], (2, 3, 4, 5), "the header")
+        check_format(header["format"], (2, 3, 4, 5, 6), "the header")
         lines, known = [header_line[:-1]], {}  # from here on lines[seq] is that of record seq
         proof = sha256(lines[0]).hexdigest() if header["format"] >= 4 else "0" * 64
         for line in file:
@@ -380,7 +383,7 @@ def replay(log: Path, to: int | None) -> dict[str, Any]:
                     check(value["checkpoint"], document_hash(document), proof, right)
                     right, checkpoints = seq, checkpoints + 1
                     continue
-                check_format(value["format"], (3, 4, 5), f"record {value['seq']}")
+                check_format(value["format"], (3, 4, 5, 6), f"record {value['seq']}")
                 check_seq(value["seq"], seq + 1, "record")
                 seq += 1
                 lines.append(line[:-1])

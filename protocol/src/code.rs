@@ -189,6 +189,7 @@ impl From<&EditError> for ErrorCode {
             EditError::Source => Self::Source,
             EditError::DragRefused { .. }
             | EditError::PinDoesNotHold { .. }
+            | EditError::PinLimits { .. }
             | EditError::InvalidPin
             | EditError::EmptyViewport => Self::Drag,
             EditError::DragNotSolved(_) => Self::Fault,

@@ -3,7 +3,10 @@
 use std::fmt;
 
 use document::{LightPin, PinId};
-use drag::{DragOutcome as Outcome, DragRefusal, Feature, NumberedPin, PinKind as Kind, RadiusMode, Viewport};
+use drag::{
+    DragOutcome as Outcome, DragRefusal, Feature, NumberedPin, PinKind as Kind, PinTarget as Target, RadiusMode,
+    Viewport,
+};
 use light::LightId;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,12 +48,26 @@ pub enum DragRadii {
 pub enum PinKind {
     /// Direction from which light arrives.
     Direction,
-    /// Fact that light arrives.
+    /// Look of the surface: how much light arrives, from where, and that it does or does not.
+    Look,
+    /// Fact that light arrives, at least half as much as before.
     Lit,
     /// Fact that an occluder blocks the light.
     Shadowed,
     /// Shadow of one point of the caster.
     Shadow,
+    /// Light coordinates across the light, (v, w).
+    Coordinates,
+}
+
+/// [`drag::PinTarget`] in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "a position of three numbers, or a node's name or path")]
+pub enum PinTarget {
+    /// World position on a surface.
+    Point(Vec3),
+    /// Node, by its name or path: the pin holds on what the picture shows of it.
+    Node(String),
 }
 
 // A command has the light's id and a camera with all its values, a drag file the name or index of each.
@@ -132,8 +149,8 @@ pub struct DragPin {
     pub kind: PinKind,
     /// Light, by its name or its index.
     pub light: NameOrIndex,
-    /// World position on a surface.
-    pub at: Vec3,
+    /// World position on a surface, or the name or path of a node.
+    pub at: PinTarget,
     /// Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caster: Option<String>,
@@ -149,8 +166,8 @@ pub struct Pin {
     pub kind: PinKind,
     /// Id of the light.
     pub light: u64,
-    /// World position on a surface.
-    pub at: Vec3,
+    /// World position on a surface, or the name or path of a node.
+    pub at: PinTarget,
     /// Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caster: Option<String>,
@@ -203,7 +220,7 @@ pub struct DocumentPin {
 pub enum DragStatus {
     /// The feature lies within half a pixel of the cursor.
     Landed,
-    /// The feature lies as near to the cursor as the limits of the light allow.
+    /// The feature lies on the straight way to the cursor, as far as the limits of the light allow.
     Limited,
     /// The light did not change.
     Refused,
@@ -249,6 +266,8 @@ pub enum DragReason {
     NoWeight,
     /// A hard pin is not fulfilled when the drag begins. `pin` names it.
     PinDoesNotHold,
+    /// The feature can go less than a third of the way. `limit` says why.
+    Limited,
 }
 
 /// Outcome of a drag of a feature, besides the light.
@@ -260,7 +279,7 @@ pub struct DragOutcome {
     /// Version of the solver. Another version may give another light.
     pub version: u32,
     pub status: DragStatus,
-    /// Limit that stopped a `limited` drag.
+    /// Limit that stopped a drag that is `limited`, or `refused` for the reason `limited`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<DragLimit>,
     /// Reason of a `refused` drag. Records have none, since such a drag changes nothing.
@@ -303,8 +322,13 @@ impl From<drag::DragStatus> for StatusFields {
                 Self { status: DragStatus::Limited, limit: Some(limit.into()), pin, ..landed }
             }
             drag::DragStatus::Refused(refusal) => {
-                let pin = if let DragRefusal::PinDoesNotHold(pin) = refusal { Some(pin) } else { None };
-                Self { status: DragStatus::Refused, reason: Some(refusal.into()), pin, ..landed }
+                let limit = if let DragRefusal::Limited(limit) = refusal { Some(limit) } else { None };
+                let pin = match (refusal, limit) {
+                    (DragRefusal::PinDoesNotHold(pin), _) | (_, Some(drag::DragLimit::Pin(pin))) => Some(pin),
+                    _ => None,
+                };
+                let limit = limit.map(Into::into);
+                Self { status: DragStatus::Refused, limit, reason: Some(refusal.into()), pin }
             }
         }
     }
@@ -312,7 +336,30 @@ impl From<drag::DragStatus> for StatusFields {
 
 impl DragPin {
     fn to_domain(&self) -> drag::DragPin {
-        drag::DragPin { kind: self.kind.into(), at: self.at.into(), caster: self.caster.clone(), is_hard: self.hard }
+        drag::DragPin {
+            kind: self.kind.into(),
+            at: self.at.clone().into(),
+            caster: self.caster.clone(),
+            is_hard: self.hard,
+        }
+    }
+}
+
+impl From<PinTarget> for Target {
+    fn from(target: PinTarget) -> Self {
+        match target {
+            PinTarget::Point(at) => Self::Point(at.into()),
+            PinTarget::Node(node) => Self::Node(node),
+        }
+    }
+}
+
+impl From<Target> for PinTarget {
+    fn from(target: Target) -> Self {
+        match target {
+            Target::Point(at) => Self::Point(at.into()),
+            Target::Node(node) => Self::Node(node),
+        }
     }
 }
 
@@ -394,10 +441,10 @@ impl TryFrom<DragOutcome> for Outcome {
 
 same_variants!(DragKind = Feature { Shadow, Hotspot, Highlight, Diffuse });
 same_variants!(DragRadii = RadiusMode { Keep, Solve, Follow });
-same_variants!(PinKind = Kind { Direction, Lit, Shadowed, Shadow });
+same_variants!(PinKind = Kind { Direction, Look, Lit, Shadowed, Shadow, Coordinates });
 same_variants!(drag::DragLimit => DragLimit {
     Fold, Radius, TubeEdge, NoDescent, SourceInside, TooMuchWork; Pin
 });
 same_variants!(DragRefusal => DragReason {
-    NothingAtStart, NothingAtEnd, OutsideTheLight, NoShadow, NotBendy, NoSuchPoint, NoWeight; PinDoesNotHold
+    NothingAtStart, NothingAtEnd, OutsideTheLight, NoShadow, NotBendy, NoSuchPoint, NoWeight; PinDoesNotHold, Limited
 });

@@ -41,7 +41,7 @@ mod vector;
 mod words;
 
 pub use self::drag::{
-    DocumentPin, Drag, DragKind, DragLimit, DragOutcome, DragRadii, DragReason, DragStatus, Pin, PinKind,
+    DocumentPin, Drag, DragKind, DragLimit, DragOutcome, DragRadii, DragReason, DragStatus, Pin, PinKind, PinTarget,
 };
 pub use self::light::Light;
 pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};

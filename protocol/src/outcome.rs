@@ -444,7 +444,7 @@ mod tests {
     fn a_record_line_gives_the_result() {
         let line = |action: &str, changes: &str| {
             let who = r#""timeMs":0,"actor":{"id":"a","name":"A"},"opId":"x""#;
-            let text = format!(r#"{{"format":5,"seq":7,{who},"action":{action},"changes":{changes}}}"#);
+            let text = format!(r#"{{"format":6,"seq":7,{who},"action":{action},"changes":{changes}}}"#);
             Committed::in_line(&text)
         };
         let held = r#"{"sameAs":{"record":1,"at":2,"hash":"0"}}"#;

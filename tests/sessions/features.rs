@@ -4,8 +4,8 @@ use std::path::Path;
 use std::process::Command as Program;
 
 use protocol::{
-    Action, Command, Drag, DragKind, DragLimit, DragOutcome, DragRadii, DragStatus, ErrorCode, GestureStatus, Pin,
-    PinKind, Record, Scope, parse_body,
+    Action, Command, Drag, DragKind, DragOutcome, DragRadii, DragStatus, ErrorCode, GestureStatus, Pin, PinKind,
+    PinTarget, Record, Scope, parse_body,
 };
 use serde_json::{Value, json};
 
@@ -119,7 +119,7 @@ fn pins_are_everybodys_and_hold() {
     // The surface in the shadow.
     let query = json!([{"light": 0, "kind": "shadow", "size": SIZE, "from": SHADOW, "to": SHADOW}]);
     let at: [f64; 3] = serde_json::from_value(answers(&server, &query)[0]["fromWorld"].clone()).expect("a point");
-    let pin = Pin { kind: PinKind::Direction, light: ada.light(), at, caster: None, hard: true };
+    let pin = Pin { kind: PinKind::Direction, light: ada.light(), at: PinTarget::Point(at), caster: None, hard: true };
     committed(&ben.edited(Command::AddPin { pin: pin.clone() }));
     ada.catch_up(ben.seq);
     let id = ada.document.pins().keys().next().expect("a pin").0;
@@ -129,10 +129,10 @@ fn pins_are_everybodys_and_hold() {
     // pin.
     let command = drag(&ada, Some(vec![3]), 20.0);
     let began = light_json(&ada);
-    committed(&ada.edited(command.clone()));
-    let limited = outcome(&server.records(ada.seq)[0]);
-    assert_eq!((limited.status, limited.limit, limited.pin), (DragStatus::Limited, Some(DragLimit::Pin), Some(id)));
-    committed(&ada.undo(Scope::Mine));
+    let answer = ada.edited(command.clone());
+    let refused = rejected(&answer);
+    assert_eq!(refused.code, ErrorCode::Drag);
+    assert!(refused.message.contains("its pin “Direction” holds the feature back"), "{}", refused.message);
     assert_eq!(light_json(&ada), began);
 
     // No client can pin a light that another one drags.

@@ -21,8 +21,8 @@ const MANY: usize = 5;
 /// Enough pins that a drag takes longer than these edits, even on a busy machine.
 const PINS: usize = 240;
 
-/// Adds pins at many points of the light, two of them hard. Returns a drag that takes hundreds of times as long as
-/// most.
+/// Adds pins at many points of the light, two of them hard. Returns a drag that takes tens of times as long as most,
+/// since its pins limit it.
 fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
     let seen = (160..360).step_by(24).flat_map(|y| (100..600).step_by(24).map(move |x| (x, y)));
     let queries: Vec<Value> = seen
@@ -46,11 +46,11 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
         light: mirror.light(),
         kind: DragKind::Shadow,
         points: Some(vec![1, 2, 3, 4]),
-        radii: DragRadii::Solve,
+        radii: DragRadii::Follow,
         camera: mirror.document.cameras().values().next().expect("the demo has a camera").into(),
         size: SIZE,
         from: [430.5, 265.5],
-        to: [500.5, 200.5],
+        to: [400.5, 300.5],
         pins: None,
         source_outside: false,
     }))

@@ -7,6 +7,7 @@ import {
   nothingTaken,
   outcomeText,
   pinAt,
+  pinText,
   pinsOf,
   takenLight,
 } from "../src/core/tools";
@@ -122,14 +123,31 @@ test("what keeps a drag short is said", () => {
 test("only what is so can be pinned", () => {
   const lit = found(probed(1, "lit", 1));
   const dark = found(probed(1, "shadowed", 1));
-  expect(pinAt("lit", true, 1, lit)).toEqual({ kind: "lit", light: 1, at: [1, 2, 3], hard: true });
-  expect(pinAt("lit", true, 1, dark)).toContain("pin what it lights");
-  expect(pinAt("shadow", false, 1, dark)).toMatchObject({ caster: "vase", hard: false });
-  expect(pinAt("shadowed", false, 1, dark)).not.toHaveProperty("caster");
-  expect(pinAt("shadow", false, 1, lit)).toContain("No shadow");
+  expect(pinAt({ kind: "lit", hard: true, ofObject: false }, 1, lit)).toEqual({
+    kind: "lit",
+    light: 1,
+    at: [1, 2, 3],
+    hard: true,
+  });
+  expect(pinAt({ kind: "lit", hard: true, ofObject: false }, 1, dark)).toContain("pin what it lights");
+  expect(pinAt({ kind: "shadow", hard: false, ofObject: false }, 1, dark)).toMatchObject({
+    caster: "vase",
+    hard: false,
+  });
+  expect(pinAt({ kind: "shadowed", hard: false, ofObject: false }, 1, dark)).not.toHaveProperty("caster");
+  expect(pinAt({ kind: "shadow", hard: false, ofObject: false }, 1, lit)).toContain("No shadow");
   const outside = { ...probed(1, "outside", 0), place: null };
-  expect(pinAt("direction", true, 1, found(outside))).toContain("outside the light");
-  expect(pinAt("direction", true, 1, { seen: null, lights: [] })).toContain("Nothing is seen");
+  const look = { kind: "look", hard: true, ofObject: true } as const;
+  expect(pinAt(look, 1, found(outside))).toContain("outside the light");
+  expect(pinAt(look, 1, { seen: null, lights: [] })).toContain("Nothing is seen");
+  expect(pinAt(look, 1, lit)).toEqual({ kind: "look", light: 1, at: lit.seen?.node, hard: true });
+});
+
+test("a pin is named by its kind and its object", () => {
+  const pin = { kind: "look", light: 1, at: "table/blue vase", hard: true } as const;
+  expect(pinText(pin)).toBe("Look of blue vase");
+  expect(pinText({ ...pin, kind: "coordinates", at: [0, 1, 2] })).toBe("Light coordinates");
+  expect(pinText({ ...pin, kind: "shadow", at: [0, 1, 2], caster: "lamp" })).toBe("This shadow of lamp");
 });
 
 test("pins of a light that is gone are not shown", () => {

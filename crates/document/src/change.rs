@@ -2,7 +2,7 @@
 
 use std::mem::{discriminant, swap};
 
-use drag::DragRefusal;
+use drag::{DragLimit, DragRefusal};
 use light::{LightError, LightId, Parameter, ParameterTouches, UndrawableLight, Value};
 use thiserror::Error;
 
@@ -117,6 +117,17 @@ pub enum EditError {
     /// Pin whose condition does not hold at the start, so that no drag can keep it.
     #[error("{light}: its pin {pin} does not hold before anything moves: remove it, or make it soft")]
     PinDoesNotHold {
+        /// Light by its [`Document::light_name`](crate::Document::light_name).
+        light: String,
+        /// Condition of the pin, in quotes.
+        pin: String,
+    },
+    /// Pin that keeps a feature from a third of its way.
+    #[error(
+        "{light}: its pin {pin} holds the feature back before a third of the way: drag less far, remove it, or make it \
+         soft"
+    )]
+    PinLimits {
         /// Light by its [`Document::light_name`](crate::Document::light_name).
         light: String,
         /// Condition of the pin, in quotes.
@@ -306,6 +317,22 @@ fn sentence(reason: DragRefusal) -> String {
         DragRefusal::PinDoesNotHold(_) => {
             "a pin of it does not hold before anything moves: remove it, or make it soft".into()
         }
+        DragRefusal::Limited(limit) => {
+            format!("before a third of the way {}: drag less far, or choose other control points", limit_clause(limit))
+        }
+    }
+}
+
+/// Describes what would happen if a feature went on.
+fn limit_clause(limit: DragLimit) -> &'static str {
+    match limit {
+        DragLimit::Fold => "the tube would fold",
+        DragLimit::Radius => "a radius would be negative",
+        DragLimit::TubeEdge => "the feature would lie outside of the light",
+        DragLimit::NoDescent => "no light nearby has the feature where it can be seen",
+        DragLimit::SourceInside => "the source would go through a surface",
+        DragLimit::Pin(_) => "a pin would not hold",
+        DragLimit::TooMuchWork => "the search takes too much work",
     }
 }
 

@@ -1,6 +1,6 @@
 //! Drags of features: the solution in a scene, and its changes to a document.
 
-use drag::{Drag, DragRefusal, DragResult, DragStatus, NumberedPin, WorkBudget};
+use drag::{Drag, DragLimit, DragRefusal, DragResult, DragStatus, NumberedPin, WorkBudget};
 use light::parameters::{ROTATION, TRANSLATION};
 use light::{LightId, MAX_NAME_BYTES};
 use raycast::Bvh;
@@ -64,6 +64,9 @@ pub(crate) fn feature_drag_changes(
         let light = document.light_name(id);
         return Err(match reason {
             DragRefusal::PinDoesNotHold(pin) => EditError::PinDoesNotHold { light, pin: document.pin_name(PinId(pin)) },
+            DragRefusal::Limited(DragLimit::Pin(pin)) => {
+                EditError::PinLimits { light, pin: document.pin_name(PinId(pin)) }
+            }
             reason => EditError::DragRefused { light, reason },
         });
     }

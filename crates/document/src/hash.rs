@@ -4,7 +4,7 @@ mod format_2;
 
 use std::fmt;
 
-use drag::{DragPin, PinKind};
+use drag::{DragPin, PinKind, PinTarget};
 use glam::{DQuat, DVec3};
 use scene::{Camera, Projection};
 use sha2::{Digest, Sha256};
@@ -15,6 +15,9 @@ pub use format_2::was_in_format_2;
 
 /// First log format whose hashes are computed as in this version.
 pub const FIRST_FORMAT_OF_HASH: u32 = 3;
+
+/// Bit of the tag of a pin that is of a node.
+const NODE_PIN: u8 = 0x80;
 
 /// SHA-256 over a document's content, shown as 64 hexadecimal digits.
 ///
@@ -138,13 +141,24 @@ impl HashWriter {
     fn pin(&mut self, LightPin { light, pin }: &LightPin) {
         let DragPin { kind, at, caster, is_hard } = pin;
         self.number(light.0);
-        self.tag(match kind {
+        let kind = match kind {
             PinKind::Direction => 0,
             PinKind::Lit => 1,
             PinKind::Shadowed => 2,
             PinKind::Shadow => 3,
-        });
-        self.vector(*at);
+            PinKind::Look => 4,
+            PinKind::Coordinates => 5,
+        };
+        match at {
+            PinTarget::Point(at) => {
+                self.tag(kind);
+                self.vector(*at);
+            }
+            PinTarget::Node(node) => {
+                self.tag(NODE_PIN | kind);
+                self.text(node);
+            }
+        }
         self.tag(u8::from(caster.is_some()));
         self.text(caster.as_deref().unwrap_or_default());
         self.tag(u8::from(*is_hard));

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use drag::PinKind;
+use drag::{PinKind, PinTarget};
 use light::{LightId, ParameterOwner};
 
 use crate::{CameraId, Change, Document, LightPin, PinId};
@@ -27,12 +27,16 @@ impl Document {
     pub fn pin_name(&self, id: PinId) -> String {
         let Some(LightPin { pin, .. }) = self.pins().get(&id) else { return format!("pin {id}") };
         let kept = match pin.kind {
-            PinKind::Direction => "Look",
+            PinKind::Direction => "Direction",
+            PinKind::Look => "Look",
             PinKind::Lit => "Lit",
             PinKind::Shadowed => "In shadow",
             PinKind::Shadow => "This shadow",
+            PinKind::Coordinates => "Light coordinates",
         };
-        let text = pin.caster.as_ref().map_or_else(|| kept.into(), |caster| format!("{kept} of {caster}"));
+        let node = if let PinTarget::Node(node) = &pin.at { Some(node) } else { None };
+        let on_node = node.map_or_else(|| kept.into(), |node| format!("{kept} of {node}"));
+        let text = pin.caster.as_ref().map_or(on_node, |caster| format!("{kept} of {caster}"));
         quoted(&text).unwrap_or(text)
     }
 }

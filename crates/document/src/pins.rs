@@ -1,6 +1,6 @@
 //! Addition, change and removal of pins.
 
-use drag::DragPin;
+use drag::{DragPin, PinTarget};
 use light::LightId;
 use scene::MAX_PATH_BYTES;
 
@@ -51,5 +51,11 @@ pub(crate) fn check_drag_pin(pin: &DragPin) -> Result<(), EditError> {
     if caster.as_ref().is_some_and(|caster| caster.len() > MAX_PATH_BYTES) {
         return Err(EditError::TooLong { field: "caster", limit: MAX_PATH_BYTES });
     }
-    if at.is_finite() { Ok(()) } else { Err(EditError::InvalidPin) }
+    match at {
+        PinTarget::Point(at) if !at.is_finite() => Err(EditError::InvalidPin),
+        PinTarget::Node(node) if node.len() > MAX_PATH_BYTES => {
+            Err(EditError::TooLong { field: "at", limit: MAX_PATH_BYTES })
+        }
+        PinTarget::Point(_) | PinTarget::Node(_) => Ok(()),
+    }
 }

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::point_in_light::{PointInLight, SceneLight};
+use crate::point_in_light::PointInLight;
 use crate::request::DragLimit;
 
 /// Least `1 - kappa r.N` that a drag allows. At 0 the light paths meet, and light has no direction there.
@@ -27,26 +27,6 @@ pub(crate) struct Bound {
 /// Makes a limit that is never violated for the sake of the objective.
 pub(crate) fn hard_bound(value: f64, limit: DragLimit) -> Bound {
     Bound { value, limit, compliance: 0.0 }
-}
-
-/// Adds the limits that a point needs in order to receive light: light paths do not meet at the point, the point lies
-/// within the light's cross-section, and it lies between the light's ends.
-///
-/// `fold` and `edge` are the names of the limits in a result. `compliance` is their softness. `room` is a distance by
-/// which the point may lie outside of the last two.
-pub(crate) fn bounds_at(
-    placed: &SceneLight,
-    coords: &PointInLight,
-    [fold, edge]: [DragLimit; 2],
-    compliance: f64,
-    room: f64,
-    bounds: &mut Vec<Bound>,
-) {
-    bounds.extend([
-        Bound { value: coords.path_spacing - MIN_PATH_SPACING, limit: fold, compliance },
-        Bound { value: 1.0 - EDGE_MARGIN - placed.rho2(coords) + room, limit: edge, compliance },
-        Bound { value: coords.distance_to_ends.min(1.0) + room, limit: edge, compliance },
-    ]);
 }
 
 /// Computes the distance along the light from the pivot to the point in its shadow, less the required margin. The unit

@@ -7,9 +7,9 @@ use light::{CheckedLight, EndMode, LightRays};
 use raycast::{Bvh, SeenPoint};
 use scene::{ViewRay, pixel_of};
 
-use crate::goal::TakenFeature;
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::{Feature, Viewport};
+use crate::taken_feature::TakenFeature;
 use crate::work::WorkBudget;
 
 /// Largest angle between the normal and the direction to the light of a surface that faces the light, in radians: 0.1

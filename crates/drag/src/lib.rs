@@ -6,50 +6,43 @@
 //! picture, so the same drag gives the same bits on every machine. The crate knows no document and no clock.
 //!
 //! The unknowns are a placement, or offsets of control points (light model, section 7). Two equations say that the
-//! feature lies under the cursor. Limits keep the tube from folding, and pins add equations and limits. The solver
-//! takes the smallest change by [sequential quadratic
-//! programming](https://en.wikipedia.org/wiki/Sequential_quadratic_programming) along the path from the start to the
-//! cursor.
+//! feature lies under the cursor. Limits keep the tube from folding and the feature where it can be seen, and pins add
+//! equations and limits. Of the lights that are left, the solver takes one whose picture changes little, by a fixed chain
+//! of strictly convex steps (docs/decisions/14-drag-solver.md).
 //!
 //! The cost of a drag is counted in steps and bounded ([`WorkBudget`]), so that a drag past the bound gives the same
-//! bits too. Begin with `drag.rs` (one drag), `flow.rs` (the solver), `goal.rs` (equations and limits) and `moves.rs`
-//! (unknowns).
+//! bits too. Begin with `drag.rs` (one drag), `landing.rs` (a drag to one pixel), `chain.rs` (the solver), `problem.rs`
+//! (equations, rows and limits) and `moves.rs` (unknowns).
 
 mod bound;
-mod by_picture;
 mod chain;
-mod direct;
+mod convex_step;
 mod drag;
 mod dragged_feature;
-mod flow;
-mod goal;
+mod landing;
 mod matrix;
 mod moves;
 mod occlusion;
-mod penalized;
 mod picture_metric;
+mod pin_state;
 mod pins;
 mod point_in_light;
 mod problem;
-mod quadratic;
-mod reach;
 mod request;
-mod scene_visibility;
 mod slide;
-mod solve;
 mod start;
-mod step;
+mod taken_feature;
+mod visibility;
 mod work;
 
-pub use by_picture::drag_by_picture;
-pub use drag::{drag, drag_budgeted};
+pub use drag::{drag, drag_budgeted, drag_least_change};
 pub use dragged_feature::highlight_near;
 pub use request::{
     Drag, DragLimit, DragOutcome, DragPin, DragRefusal, DragResult, DragStatus, Feature, NumberedPin, PinKind,
-    RadiusMode, Viewport,
+    PinTarget, RadiusMode, Viewport,
 };
 pub use slide::{Slide, slide_point};
 pub use work::{MAX_DRAG_STEPS, STEPS_BETWEEN_CHECKS, WorkBudget};
 
 /// Name and version of the solver. The version grows with every change after which a drag may give another light.
-pub const SOLVER: (&str, u32) = ("flow", 4);
+pub const SOLVER: (&str, u32) = ("picture", 5);

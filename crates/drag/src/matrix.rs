@@ -20,12 +20,6 @@ impl Matrix {
         Self { rows, columns, values: vec![0.0; rows * columns] }
     }
 
-    pub fn identity(count: usize) -> Self {
-        let mut matrix = Self::zero(count, count);
-        (0..count).for_each(|k| *matrix.at(k, k) = 1.0);
-        matrix
-    }
-
     pub fn row(&self, row: usize) -> &[f64] {
         &self.values[row * self.columns..][..self.columns]
     }
@@ -38,32 +32,16 @@ impl Matrix {
         &mut self.values[row * self.columns + column]
     }
 
-    /// Multiplies the matrix by a column vector.
-    pub fn times(&self, x: &[f64]) -> Vec<f64> {
-        (0..self.rows).map(|row| dot(self.row(row), x)).collect()
+    /// Copies the rows of the selection.
+    pub fn selected(&self, rows: &[usize]) -> Self {
+        let values = rows.iter().flat_map(|row| self.row(*row)).copied().collect();
+        Self { rows: rows.len(), columns: self.columns, values }
     }
 
-    /// Multiplies the transpose by a column vector.
-    pub fn transposed_times(&self, y: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.columns];
-        for (row, y) in y.iter().enumerate() {
-            add_scaled(&mut sum, self.row(row), *y);
-        }
-        sum
-    }
-
-    /// Computes `A B^T`.
-    pub fn times_transposed(&self, other: &Self, work: &WorkBudget) -> Self {
-        let mut product = Self::zero(self.rows, other.rows);
-        for i in 0..self.rows {
-            if !work.spend((other.rows * self.columns) as u64) {
-                break;
-            }
-            for j in 0..other.rows {
-                *product.at(i, j) = dot(self.row(i), other.row(j));
-            }
-        }
-        product
+    /// Copies the rows, followed by those of `other`.
+    pub fn stacked(&self, other: &Self) -> Self {
+        let values = self.values.iter().chain(&other.values).copied().collect();
+        Self { rows: self.rows + other.rows, columns: self.columns, values }
     }
 }
 

@@ -72,19 +72,12 @@ impl Unknowns {
         all
     }
 
-    /// Returns the rays of the light that the unknowns `x` give. `None` if the light cannot be evaluated.
+    /// Returns the rays of the light that the unknowns `x` give, also those of a tube that folds. `None` if the light
+    /// cannot be evaluated.
     pub fn rays(&self, start: &CheckedLight, x: &[f64]) -> Option<LightRays> {
         if let (Self::Points { .. }, Some(tube)) = (self, start.tube()) {
-            return tube.with_points(start.light(), &self.points(start.light(), x)).ok().map(LightRays::Bent);
-        }
-        Some(self.placed_rays(start, x))
-    }
-
-    /// Returns the rays like [`Self::rays`], also those of a tube that folds.
-    pub fn rays_that_may_fold(&self, start: &CheckedLight, x: &[f64]) -> Option<LightRays> {
-        if let (Self::Points { .. }, Some(tube)) = (self, start.tube()) {
             let points = self.points(start.light(), x);
-            return tube.with_points_that_may_fold(start.light(), &points).ok().map(LightRays::Bent);
+            return tube.with_points(start.light(), &points).ok().map(LightRays::Bent);
         }
         Some(self.placed_rays(start, x))
     }

@@ -10,8 +10,8 @@ use crate::request::Viewport;
 
 /// Number of pixels that are tried, and the number of points kept in the light and beside it.
 const CANDIDATES: u32 = 1024;
-const POINTS_IN_LIGHT: usize = 96;
-const POINTS_BESIDE: usize = 24;
+const POINTS_IN_LIGHT: usize = 64;
+const POINTS_BESIDE: usize = 16;
 
 /// Largest distances from the light's axis, in radii, of points in the light and beside it.
 const IN_LIGHT_RHO: f64 = 1.1;
@@ -127,22 +127,21 @@ impl PictureMetric {
         self.points.iter().map(|point| point.start_t).collect()
     }
 
-    /// Adds the change of each point's brightness and direction to `rows`: four numbers a point. `near` are the values
-    /// of `t` to track; returns the new ones.
-    pub fn add_rows(&self, light: &SceneLight, near: &[f64], rows: &mut Vec<f64>) -> Vec<f64> {
+    /// Adds the change of each point's brightness and direction to `rows`: four numbers a point, with `weight` as a factor
+    /// of all weights. `near` are the values of `t` to track; returns the new ones.
+    pub fn add_rows(&self, light: &SceneLight, near: &[f64], weight: f64, rows: &mut Vec<f64>) -> Vec<f64> {
+        let factor = weight.sqrt();
         let changes = self.points.iter().zip(near).map(|(point, near)| {
+            let brightness_weight = point.brightness_weight * factor;
             let Some(now) = point.log_brightness(light, self.brightest, *near) else {
                 // A point behind the source receives no light.
-                rows.extend([
-                    point.brightness_weight * (libm::log(DARK) - EDGE_SLOPE - point.log_before),
-                    0.0,
-                    0.0,
-                    0.0,
-                ]);
+                let log = libm::log(DARK) - EDGE_SLOPE;
+                rows.extend([brightness_weight * (log - point.log_before), 0.0, 0.0, 0.0]);
                 return *near;
             };
-            rows.push(point.brightness_weight * (now.log - point.log_before));
-            rows.extend(((now.to_light - point.to_light_before) * point.direction_weight).to_array());
+            rows.push(brightness_weight * (now.log - point.log_before));
+            let turned = now.to_light - point.to_light_before;
+            rows.extend((turned * point.direction_weight * factor).to_array());
             now.t
         });
         changes.collect()
@@ -186,7 +185,7 @@ fn shadowing_node(occlusion: &Occlusion, light: &SceneLight, seen: &SeenPoint, t
 }
 
 /// Returns a point of a sequence that fills the unit square evenly (the plastic number's R2 sequence, M. Roberts).
-fn low_discrepancy(number: u32) -> DVec2 {
+pub(crate) fn low_discrepancy(number: u32) -> DVec2 {
     const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
     (DVec2::splat(0.5) + STEP * f64::from(number)).fract()
 }

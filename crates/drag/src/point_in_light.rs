@@ -146,27 +146,6 @@ impl<'a> SceneLight<'a> {
         }
     }
 
-    /// Computes the light coordinates, and the largest component of the unshadowed irradiance on a surface orthogonal
-    /// to the light there; 0 outside the light.
-    pub fn locate_with_irradiance(&self, point: DVec3, near: f64) -> Option<(PointInLight, f64)> {
-        if !self.work.spend(self.locate_cost_steps(true)) {
-            return None;
-        }
-        let from_source = point - self.source();
-        let irradiance = match self.rays {
-            LightRays::Bent(tube) => {
-                let root = track_root(tube, tube_from_source(tube, from_source), near);
-                return Some((tube_coords(tube, &root), tube.irradiance(&root).max_element()));
-            }
-            LightRays::Cone(cone) => cone.locate(from_source).map(|coords| cone.irradiance(&coords)),
-            LightRays::Omni(omni) => omni.locate(from_source).map(|coords| omni.irradiance(&coords)),
-            LightRays::Parallel(parallel) => {
-                parallel.locate(point + self.origin_in_world).map(|coords| parallel.irradiance(&coords))
-            }
-        };
-        Some((self.locate(point, Some(near))?, irradiance.map_or(0.0, DVec3::max_element)))
-    }
-
     /// Returns `t` of the light's axis nearest to a point, in radii, whether or not the light contains the point. `None`
     /// behind a source.
     pub fn nearest_t(&self, point: DVec3) -> Option<f64> {

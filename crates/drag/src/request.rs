@@ -37,14 +37,22 @@ pub struct Drag {
 #[derive(Clone, Debug, PartialEq)]
 pub struct DragPin {
     pub kind: PinKind,
-    /// World position on a surface.
-    pub at: DVec3,
+    pub at: PinTarget,
     /// Name or path of the node that casts the shadow, for [`PinKind::Shadow`]; `None` for the first caster on the
     /// light path.
     pub caster: Option<String>,
     /// True if the drag must preserve the property. False if it preserves the property only as far as it can without
     /// limiting the feature.
     pub is_hard: bool,
+}
+
+/// Point or node that a pin holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PinTarget {
+    /// World position on a surface.
+    Point(DVec3),
+    /// Name or path of a node: the pin holds on what the drag's picture shows of it and of the nodes below it.
+    Node(String),
 }
 
 /// Pin with the number by which a [`DragOutcome`] names it.
@@ -64,15 +72,18 @@ impl NumberedPin {
 /// Property that a pin keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PinKind {
-    /// Direction from which light arrives and, as far as the drag allows, its irradiance, so that the surface keeps its
-    /// look.
+    /// Direction from which light arrives and, as far as the drag allows, its irradiance.
     Direction,
-    /// Light arrives at the point.
+    /// Look of the surface: the irradiance, the direction from which light arrives, and if it arrives.
+    Look,
+    /// Light arrives at the point, at least half as much as before.
     Lit,
     /// A caster blocks the light to the point.
     Shadowed,
     /// The point stays in the shadow of the same point of the caster.
     Shadow,
+    /// Light coordinates of the point across the light: the same light path reaches it.
+    Coordinates,
 }
 
 /// Dragged feature of a light. M is the surface point seen at the start of the drag, M' the one under the cursor.
@@ -142,7 +153,7 @@ pub struct DragOutcome {
 pub enum DragStatus {
     /// The feature is under the cursor, within half a pixel.
     Landed,
-    /// The feature is as near to the cursor as the limit allows.
+    /// The feature is at the last pixel of the straight way to the cursor that the limit allows.
     Limited(DragLimit),
     /// The drag is refused, and the light is unchanged.
     Refused(DragRefusal),
@@ -184,6 +195,8 @@ pub enum DragRefusal {
     NoSuchPoint,
     /// Moving the chosen control points does not change the light at the start of the drag.
     NoWeight,
+    /// The limit lets the feature go less than a third of the way.
+    Limited(DragLimit),
     /// The hard pin with this number does not hold at the start: its point is outside the light, or is not lit, not in
     /// shadow, or not in the shadow of the named caster.
     PinDoesNotHold(u64),

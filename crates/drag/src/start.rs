@@ -1,83 +1,102 @@
-//! Rigid placement of a light in closed form, with the feature under the cursor.
+//! Start of a drag: the picked surfaces, the light coordinates of the feature, and the unknowns.
 
-use glam::{DQuat, DVec3};
-use light::LightRays;
-use raycast::BentPath;
+use glam::DVec2;
+use light::{CheckedLight, LightRays};
+use raycast::{Bvh, SeenPoint};
+use scene::ViewRay;
 
-use crate::goal::{Goal, Objective, TakenFeature, TrackedPoints};
 use crate::moves::Unknowns;
-use crate::request::Feature;
+use crate::occlusion::{Occlusion, ShadowCaster};
+use crate::pins::Pins;
+use crate::point_in_light::{PointInLight, SceneLight};
+use crate::request::{Drag, DragRefusal, Feature, NumberedPin, Viewport};
+use crate::taken_feature::TakenFeature;
+use crate::work::WorkBudget;
 
-/// Returns the unknowns of a placement with the feature under the cursor, and the tracked points in it. The placement
-/// is not the nearest one. `None` if there is no closed form.
-///
-/// For a hotspot, the light is translated. For a highlight, it is also rotated about the point. For a shadow, the light
-/// rotates about the pivot: the light path through the pivot has a point as far from the pivot as the cursor is, and
-/// the rotation takes that point to the cursor.
-pub(crate) fn rigid_start(goal: &Goal, near: &TrackedPoints) -> Option<(Vec<f64>, TrackedPoints)> {
-    let (Unknowns::Rigid { unit }, Objective::Feature(taken)) = (&goal.unknowns, &goal.objective) else {
-        return None;
-    };
-    let (from, to) = (taken.from.position, taken.to.position);
-    let (pivot, turn) = match (taken.feature, taken.pivot) {
-        (Feature::Shadow, Some(pivot)) => {
-            let (point, t) = point_at_distance(goal, taken, pivot, near[0], pivot.distance(to))?;
-            let turn = DQuat::from_rotation_arc((point - pivot).normalize(), (to - pivot).normalize());
-            let mut near = near.clone();
-            near[0][0] = t;
-            return Some((rigid_unknowns(goal, *unit, (pivot, pivot), turn), near));
-        }
-        (Feature::Shadow | Feature::Hotspot, _) => (from, DQuat::IDENTITY),
-        (Feature::Highlight | Feature::Diffuse, _) => {
-            let [from_direction, to_direction] = taken.directions;
-            (from, DQuat::from_rotation_arc(from_direction, to_direction))
-        }
-    };
-    Some((rigid_unknowns(goal, *unit, (pivot, to), turn), near.clone()))
+/// Returns the surface that a pixel shows.
+pub(crate) fn seen_at(bvh: &Bvh, view: &Viewport, pixel: DVec2, work: &WorkBudget) -> Option<SeenPoint> {
+    let ray = ViewRay::new(&view.camera, view.size, pixel, bvh.posed.origin_in_world);
+    bvh.visible_point_budgeted(&ray, |boxes| work.spend_on_rays(boxes))
 }
 
-/// Returns the unknowns that move a point of the light from `from` to `to` and rotate the light about that point.
-fn rigid_unknowns(goal: &Goal, unit: f64, (from, to): (DVec3, DVec3), turn: DQuat) -> Vec<f64> {
-    let source = goal.scene_light.source();
-    let translation = (to + turn * (source - from) - source) / unit;
-    [translation.to_array(), turn.to_scaled_axis().to_array()].concat()
+/// Start of a drag, the same for all its ends.
+pub(crate) struct DragStart<'a> {
+    pub placed: SceneLight<'a>,
+    pub from: SeenPoint,
+    /// Light coordinates of `from`.
+    pub coords: PointInLight,
+    /// First caster before `from`, for a dragged shadow.
+    pub caster: Option<ShadowCaster>,
+    pub pins: Pins,
+    pub unknowns: Unknowns,
 }
 
-/// Finds the point on the light path through the pivot that lies a distance behind the pivot, and the point's `t`.
-fn point_at_distance(
-    goal: &Goal,
-    taken: &TakenFeature,
-    pivot: DVec3,
-    [near_t, pivot_t]: [f64; 2],
-    distance: f64,
-) -> Option<(DVec3, f64)> {
-    let LightRays::Bent(tube) = goal.scene_light.rays else {
-        let point = pivot + (taken.from.position - pivot).normalize() * distance;
-        return Some((point, pivot_t + distance));
-    };
-    let across = taken.start_coords.cross_coords;
-    let path = BentPath::new(tube, across.x, across.y, goal.scene_light.origin_in_world);
-    let at = |t: f64| {
-        let (segment, u) = tube.segment_at(t);
-        path.position_at(segment, u)
-    };
-    let end = tube.t_end();
-    let excess = |t: f64| at(t).distance(pivot) - distance;
-    // Growing steps find a point that is too far, and bisection the one between.
-    let (mut low, mut high) = (pivot_t, near_t);
-    let mut step = (near_t - pivot_t).max(1e-6);
-    while excess(high) < 0.0 {
-        if high >= end || step > 1e12 {
-            return None;
+impl<'a> DragStart<'a> {
+    /// Finds the start of a drag between the surfaces of `picked`, or returns the reason to refuse the drag.
+    pub fn new(
+        occlusion: &Occlusion<'a>,
+        light: &'a CheckedLight,
+        drag: &Drag,
+        pins: &[NumberedPin],
+        picked: &[Option<SeenPoint>; 2],
+    ) -> Result<Self, DragRefusal> {
+        if drag.points.is_some() && light.tube().is_none() {
+            return Err(DragRefusal::NotBendy);
         }
-        low = high;
-        high = (high + step).min(end);
-        step *= 2.0;
+        let [from, to] = *picked;
+        let from = from.ok_or(DragRefusal::NothingAtStart)?;
+        let to = to.ok_or(DragRefusal::NothingAtEnd)?;
+        let placed = SceneLight::new(light.rays(), occlusion.bvh.posed.origin_in_world, from.position, occlusion.work);
+        let coords = placed.locate(from.position, None).ok_or(DragRefusal::OutsideTheLight)?;
+        if !placed.contains(&coords) || !occlusion.is_node_lit(from.node) {
+            return Err(DragRefusal::OutsideTheLight);
+        }
+        if !occlusion.is_node_lit(to.node) {
+            return Err(DragRefusal::NothingAtEnd);
+        }
+        let caster = match drag.feature {
+            Feature::Shadow => Some(occlusion.first_caster(&placed, &coords, &from).ok_or(DragRefusal::NoShadow)?),
+            _ => None,
+        };
+        let pins = Pins::new(occlusion, &drag.view, &placed, pins)?;
+        let unknowns = choose_unknowns(light, drag, from.position.distance(placed.source()))?;
+        Ok(Self { placed, from, coords, caster, pins, unknowns })
     }
-    for _ in 0..80 {
-        let middle = f64::midpoint(low, high);
-        if excess(middle) < 0.0 { low = middle } else { high = middle }
+
+    /// Returns the feature with its way to the surface `to`.
+    pub fn taken(&self, feature: Feature, to: SeenPoint) -> TakenFeature {
+        TakenFeature {
+            feature,
+            from: self.from,
+            to,
+            pivot: self.caster.map(|caster| caster.position),
+            start_coords: self.coords,
+            directions: [self.coords.to_light, feature.target_direction(&to)],
+        }
     }
-    let t = f64::midpoint(low, high);
-    Some((at(t), t))
+
+    /// Returns the values of `t` of the feature and its caster.
+    pub fn feature_t(&self) -> [f64; 2] {
+        [self.coords.t, self.caster.map_or(0.0, |caster| caster.t)]
+    }
+}
+
+/// Selects the unknowns of the drag. `unit` is the unit of length of a rigid motion, in world units.
+fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unknowns, DragRefusal> {
+    let Some(points) = &drag.points else {
+        let is_directional = matches!(light.rays(), LightRays::Parallel(_));
+        return Ok(if is_directional { Unknowns::Turn } else { Unknowns::Rigid { unit } });
+    };
+    let all = light.light().points();
+    if all.is_empty() {
+        return Err(DragRefusal::NotBendy);
+    }
+    let mut points = points.clone();
+    points.sort_unstable();
+    points.dedup();
+    if points.iter().any(|point| !(1..all.len()).contains(point)) {
+        return Err(DragRefusal::NoSuchPoint);
+    }
+    let unit = all.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
+    Ok(Unknowns::Points { points, radii: drag.radii, unit })
 }

@@ -8,9 +8,6 @@ use std::fmt;
 /// that take most.
 pub const MAX_DRAG_STEPS: u64 = 3_000_000_000;
 
-/// Divisor of the step limit. The quotient is the number of further steps for judging the light of an unfinished drag.
-const JUDGING_FRACTION: u64 = 8;
-
 /// Steps between two checks if a drag should continue.
 pub const STEPS_BETWEEN_CHECKS: u64 = 2_000_000;
 
@@ -23,8 +20,6 @@ const STEPS_OF_BOX: u64 = 10;
 pub struct WorkBudget<'a> {
     spent: Cell<u64>,
     limit_steps: Cell<u64>,
-    /// Further steps that may be used to judge the light that was found.
-    judging: u64,
     /// Step count of the next check.
     next_check_at: Cell<u64>,
     should_continue: &'a dyn Fn(u64) -> bool,
@@ -49,7 +44,6 @@ impl<'a> WorkBudget<'a> {
         Self {
             spent: Cell::new(0),
             limit_steps: Cell::new(most),
-            judging: most / JUDGING_FRACTION,
             next_check_at: Cell::new(STEPS_BETWEEN_CHECKS),
             should_continue,
             is_given_up: Cell::new(false),
@@ -83,13 +77,6 @@ impl<'a> WorkBudget<'a> {
     /// True if nothing can be evaluated any more. The latest evaluations then have no meaning.
     pub(crate) fn is_exhausted(&self) -> bool {
         self.limit_steps.get() == 0
-    }
-
-    /// Allows the steps for judging the light that was found, unless the drag was cancelled.
-    pub(crate) fn allow_judging(&self) {
-        if !self.is_given_up.get() {
-            self.limit_steps.set(self.spent.get() + self.judging);
-        }
     }
 
     /// True if the caller cancelled the drag.

@@ -47,8 +47,8 @@ fn other_lines_are_refused_by_what_is_wrong() {
     refused(r#"{"checkpoint":{"seq":7}}"#, "hash");
     refused(r#"{"checkpoint":{"seq":7,"hash":"","gobo":1}}"#, "`gobo`");
     LogHeader::parse(r#"{"format":1}"#).expect_err("no session");
-    let later = LogHeader::parse(r#"{"format":6,"session":"main"}"#).expect_err("a later format").to_string();
-    assert!(later.contains("format 6"), "{later}");
+    let later = LogHeader::parse(r#"{"format":7,"session":"main"}"#).expect_err("a later format").to_string();
+    assert!(later.contains("format 7"), "{later}");
 }
 
 /// Returns a record that adds a light with 40 control points, and one that removes it, in full.

@@ -143,14 +143,20 @@ export type DragRadii = "keep" | "solve" | "follow";
  */
 export type DragKind = "shadow" | "hotspot" | "highlight" | "diffuse";
 /**
+ * `drag::PinTarget` in JSON.
+ */
+export type PinTarget = [number, number, number] | string;
+/**
  * `drag::PinKind` in JSON.
  *
  * - `direction`: Direction from which light arrives.
- * - `lit`: Fact that light arrives.
+ * - `look`: Look of the surface: how much light arrives, from where, and that it does or does not.
+ * - `lit`: Fact that light arrives, at least half as much as before.
  * - `shadowed`: Fact that an occluder blocks the light.
  * - `shadow`: Shadow of one point of the caster.
+ * - `coordinates`: Light coordinates across the light, (v, w).
  */
-export type PinKind = "direction" | "lit" | "shadowed" | "shadow";
+export type PinKind = "direction" | "look" | "lit" | "shadowed" | "shadow" | "coordinates";
 /**
  * Name or index of a light or a camera.
  */
@@ -328,6 +334,7 @@ export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceIn
  * - `noSuchPoint`: The light has no such control point, or the point is its source.
  * - `noWeight`: The chosen control points have no influence on the light at M.
  * - `pinDoesNotHold`: A hard pin is not fulfilled when the drag begins. `pin` names it.
+ * - `limited`: The feature can go less than a third of the way. `limit` says why.
  */
 export type DragReason =
   | "nothingAtStart"
@@ -337,12 +344,13 @@ export type DragReason =
   | "notBendy"
   | "noSuchPoint"
   | "noWeight"
-  | "pinDoesNotHold";
+  | "pinDoesNotHold"
+  | "limited";
 /**
  * `drag::DragStatus` in JSON.
  *
  * - `landed`: The feature lies within half a pixel of the cursor.
- * - `limited`: The feature lies as near to the cursor as the limits of the light allow.
+ * - `limited`: The feature lies on the straight way to the cursor, as far as the limits of the light allow.
  * - `refused`: The light did not change.
  */
 export type DragStatus = "landed" | "limited" | "refused";
@@ -1973,13 +1981,7 @@ export interface DragFeature {
  * Property at a point that a drag of the light preserves.
  */
 export interface DragPin {
-  /**
-   * World position on a surface.
-   *
-   * @minItems 3
-   * @maxItems 3
-   */
-  at: [number, number, number];
+  at: PinTarget;
   /**
    * Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
    */
@@ -2002,13 +2004,7 @@ export interface AddPin {
  * `LightPin` in JSON: a property at a point that a drag of the light preserves.
  */
 export interface Pin {
-  /**
-   * World position on a surface.
-   *
-   * @minItems 3
-   * @maxItems 3
-   */
-  at: [number, number, number];
+  at: PinTarget;
   /**
    * Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
    */

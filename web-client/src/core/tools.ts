@@ -3,6 +3,7 @@
 import type { Pixel, Size } from "./camera";
 import { lightOf } from "./document";
 import type { LightId } from "./ids";
+import { namesOf } from "./node_tree";
 import type {
   Camera,
   Command,
@@ -121,22 +122,47 @@ export function outcomeText({ status, limit, residualPx, shadowedBy }: DragOutco
   return shadowedBy === null ? null : `${shadowedBy} shadows this too`;
 }
 
-export const PIN_KINDS: readonly PinKind[] = ["direction", "lit", "shadowed", "shadow"];
+export const PIN_KINDS: readonly PinKind[] = [
+  "look",
+  "lit",
+  "shadowed",
+  "shadow",
+  "direction",
+  "coordinates",
+];
 
 export const PIN_TEXTS: { [K in PinKind]: string } = {
-  direction: "Look",
+  look: "Look",
   lit: "Lit",
   shadowed: "In shadow",
   shadow: "This shadow",
+  direction: "Direction",
+  coordinates: "Light coordinates",
 };
 
-/** Pin for a probed point, or the reason why there can be none. */
-export function pinAt(kind: PinKind, hard: boolean, light: LightId, found: Probed): Pin | string {
+/** Name of a pin: what it keeps, and of which object or of whose shadow. */
+export function pinText({ kind, at, caster }: Pin): string {
+  const object = caster ?? (typeof at === "string" ? namesOf(at).at(-1) : undefined);
+  return object === undefined ? PIN_TEXTS[kind] : `${PIN_TEXTS[kind]} of ${object}`;
+}
+
+/** Choice of the next pin. */
+export interface PinChoice {
+  kind: PinKind;
+  hard: boolean;
+  /** The pin is of the whole object, not of a point. */
+  ofObject: boolean;
+}
+
+/** Pin for a probed point or its object, or the reason why there can be none. */
+export function pinAt({ kind, hard, ofObject }: PinChoice, light: LightId, found: Probed): Pin | string {
   const probed = found.lights.find((other) => other.light === light);
   if (found.seen === null || probed === undefined) return "Nothing is seen here: pin a surface";
-  const at = found.seen.position;
+  const at = ofObject ? found.seen.node : found.seen.position;
   switch (kind) {
+    case "look":
     case "direction":
+    case "coordinates":
       return probed.place === null
         ? "This is outside the light: pin what it reaches"
         : { kind, light, at, hard };

@@ -1,17 +1,12 @@
 // The pins of the selected light, in words.
 
 import type { LightId } from "../core/ids";
-import type { Pin } from "../core/protocol";
-import { PIN_TEXTS, pinsOf } from "../core/tools";
+import { pinsOf, pinText } from "../core/tools";
 import { Icon } from "./icons";
 import { Name } from "./name";
 import { usePage } from "./page";
 import { QuietButton } from "./quiet_button";
 import { FoldingSection } from "./sections";
-
-/** Name of a pin's constraint. */
-const textOf = ({ kind, caster }: Pin): string =>
-  caster === undefined || caster === null ? PIN_TEXTS[kind] : `${PIN_TEXTS[kind]} of ${caster}`;
 
 export function PinPanel({ id, disabled }: { id: LightId; disabled: boolean }) {
   const { session, toolbox } = usePage();
@@ -22,10 +17,10 @@ export function PinPanel({ id, disabled }: { id: LightId; disabled: boolean }) {
       <ul class="pins">
         {pins.map(({ id: number, pin }) => (
           <li key={number} data-current={toolbox.selectedPin.value === number}>
-            <Name name={textOf(pin)} />
+            <Name name={pinText(pin)} />
             <QuietButton
               title={pin.hard ? "It holds whatever is asked" : "It holds as far as what is asked lets it"}
-              label={`Hard: ${textOf(pin)}`}
+              label={`Hard: ${pinText(pin)}`}
               pressed={pin.hard}
               disabled={disabled}
               press={() => session.edit({ type: "setPin", pin: number, hard: !pin.hard })}
@@ -34,7 +29,7 @@ export function PinPanel({ id, disabled }: { id: LightId; disabled: boolean }) {
             </QuietButton>
             <QuietButton
               title="Remove this pin"
-              label={`Remove: ${textOf(pin)}`}
+              label={`Remove: ${pinText(pin)}`}
               disabled={disabled}
               press={() => session.edit({ type: "removePin", pin: number })}
             >

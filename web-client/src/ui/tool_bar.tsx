@@ -52,9 +52,9 @@ export function ToolChoices() {
 }
 
 const RADII: { [R in DragRadii]: string } = {
-  keep: "Radii stay",
-  solve: "Radii help",
-  follow: "Radii follow",
+  keep: "Radii: keep width",
+  follow: "Radii: narrow where it would fold",
+  solve: "Radii: free",
 };
 
 /** Choice of the light's motion: as a whole, or by some control points. */
@@ -69,28 +69,28 @@ function FollowingChoices() {
     <Choices label="How the light follows">
       <QuietButton
         title="The light moves as a whole (B)"
-        label="Move"
+        label="Whole light"
         pressed={!bends}
         press={() => follow(page, { bends: false })}
       >
-        Move
+        Whole light
       </QuietButton>
       <QuietButton
         title="The light bends, its source stays (B)"
-        label="Bend along"
+        label="Control points"
         pressed={bends}
         press={() => follow(page, { bends: true })}
       >
-        Bend
+        Control points
       </QuietButton>
       {!bends && (
         <QuietButton
           title="The source goes through no surface"
-          label="Source outside"
+          label="Keep lamp out of geometry"
           pressed={sourceOutside}
           press={() => follow(page, { sourceOutside: !sourceOutside })}
         >
-          Source outside
+          Keep lamp out of geometry
         </QuietButton>
       )}
       {bends && light?.type === "bendy" && <PointChoices count={light.points.length} />}
@@ -153,7 +153,8 @@ function PointChoices({ count }: { count: number }) {
 
 /** Choice of the next pin's constraint. */
 function PinChoices() {
-  const { pinKind, pinsHard } = usePage().toolbox;
+  const { nextPin } = usePage().toolbox;
+  const { hard, ofObject } = nextPin.value;
   return (
     <Choices label="What is pinned">
       {PIN_KINDS.map((kind) => (
@@ -161,17 +162,25 @@ function PinChoices() {
           key={kind}
           title={`The next pin keeps: ${PIN_TEXTS[kind]}`}
           label={`Pin: ${PIN_TEXTS[kind]}`}
-          pressed={pinKind.value === kind}
-          press={() => (pinKind.value = kind)}
+          pressed={nextPin.value.kind === kind}
+          press={() => (nextPin.value = { ...nextPin.value, kind })}
         >
           {PIN_TEXTS[kind]}
         </QuietButton>
       ))}
       <QuietButton
+        title="The next pin is of the whole object, not of a point"
+        label="Whole object"
+        pressed={ofObject}
+        press={() => (nextPin.value = { ...nextPin.value, ofObject: !ofObject })}
+      >
+        Whole object
+      </QuietButton>
+      <QuietButton
         title="A hard pin holds whatever is asked, a soft one as far as that lets it"
         label="Hard"
-        pressed={pinsHard.value}
-        press={() => (pinsHard.value = !pinsHard.value)}
+        pressed={hard}
+        press={() => (nextPin.value = { ...nextPin.value, hard: !hard })}
       >
         Hard
       </QuietButton>

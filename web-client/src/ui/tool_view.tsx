@@ -4,7 +4,7 @@ import { type Pixel, project, type Size, type View } from "../core/camera";
 import type { Drawn } from "../core/handles";
 import { centreLine, silhouette, tubeOf } from "../core/outline";
 import type { Pin } from "../core/protocol";
-import { dragsFeatures, PIN_TEXTS, pinsOf, takenLight } from "../core/tools";
+import { dragsFeatures, pinsOf, pinText, takenLight } from "../core/tools";
 import { coneReach } from "./fitting";
 import { isFree } from "./light_actions";
 import { Line } from "./lines";
@@ -117,9 +117,10 @@ function Pins({ view }: { view: View }) {
 
 function PinMark({ view, id, pin, page }: { view: View; id: number; pin: Pin; page: Page }) {
   const { session, toolbox } = page;
-  const at = project(view, pin.at);
+  // The pin of an object has no one place, and is in the list alone.
+  const at = typeof pin.at === "string" ? null : project(view, pin.at);
   if (at === null) return null;
-  const said = `${pin.hard ? "Hard" : "Soft"} pin: ${PIN_TEXTS[pin.kind]}`;
+  const said = `${pin.hard ? "Hard" : "Soft"} pin: ${pinText(pin)}`;
   const holds = session.ownDrag.value?.outcome?.pin === id;
   return (
     <g

@@ -4,8 +4,8 @@ import { type Signal, signal } from "@preact/signals";
 
 import type { Pixel } from "../core/camera";
 import type { LightId } from "../core/ids";
-import type { DragKind, Light, PinKind } from "../core/protocol";
-import type { Following, Seen, Tool } from "../core/tools";
+import type { DragKind, Light } from "../core/protocol";
+import type { Following, PinChoice, Seen, Tool } from "../core/tools";
 
 /** A feature that is being dragged, in pixels of the picture that the server sends. */
 export interface Dragged {
@@ -21,8 +21,7 @@ export interface Dragged {
 export interface Toolbox {
   tool: Signal<Tool>;
   following: Signal<Following>;
-  pinKind: Signal<PinKind>;
-  pinsHard: Signal<boolean>;
+  nextPin: Signal<PinChoice>;
   selectedPin: Signal<number | null>;
   dragged: Signal<Dragged | null>;
   /** Reason why the last press had no effect; `null` if it had one. */
@@ -32,9 +31,8 @@ export interface Toolbox {
 export function startTools(): Toolbox {
   return {
     tool: signal<Tool>("select"),
-    following: signal<Following>({ bends: false, resting: new Set(), radii: "follow", sourceOutside: false }),
-    pinKind: signal<PinKind>("direction"),
-    pinsHard: signal(true),
+    following: signal<Following>({ bends: false, resting: new Set(), radii: "follow", sourceOutside: true }),
+    nextPin: signal<PinChoice>({ kind: "look", hard: true, ofObject: true }),
     selectedPin: signal<number | null>(null),
     dragged: signal<Dragged | null>(null),
     said: signal<string | null>(null),

@@ -137,13 +137,13 @@ export function pressTool(down: PointerEvent, page: Page): boolean {
   return true;
 }
 
-/** Pins the pressed point of the picture, for the selected light. */
+/** Pins the pressed point of the picture or its object, for the selected light. */
 export function addPin(page: Page, question: PixelQuestion): void {
   const { session, selectedLight, toolbox } = page;
   session.probe("tool", question, (found) => {
     const light = selectedLight.value;
     if (found === null || light === null) return;
-    const pin = pinAt(toolbox.pinKind.value, toolbox.pinsHard.value, light, found);
+    const pin = pinAt(toolbox.nextPin.value, light, found);
     if (typeof pin === "string") {
       toolbox.said.value = pin;
       return;

@@ -58,7 +58,10 @@ async function bend(page, picture) {
 /** Bends the light so that the desk lamp's shadow on the wall goes some pixels to the side. */
 async function aShadowIsDragged(page, ask) {
   await page.getByRole("button", { name: "Shadow tool" }).click();
-  await page.getByRole("button", { name: "Bend along" }).click();
+  await page
+    .getByRole("group", { name: "How the light follows" })
+    .getByRole("button", { name: "Control points" })
+    .click();
   const box = await page.locator("canvas").boundingBox();
   const size = [Math.round(box.width), Math.round(box.height)];
   const camera = { own: JSON.parse((await state(page)).camera) };

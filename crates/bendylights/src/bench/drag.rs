@@ -15,10 +15,10 @@ use crate::usage::whole_number_parser;
 #[command(after_help = "\
 Makes random drags in random lights over each scene, of shadows, hotspots, highlights and the sides of surfaces that are turned
 most to the light, as `bendylights drag` does, and beside them by the formulas of the BendyLights paper, which move a light
-once and do not look where its feature ends. A third column is a solver that keeps the rest of the picture. Prints JSON; for each kind (feature, whole lights or control points, less or more
-than a tenth of the picture's width):
+once and do not look where its feature ends, and by a solver that changes the light, not the picture, as little as it can.
+Prints JSON; for each kind (feature, whole lights or control points, less or more than a tenth of the picture's width):
   iterations  steps of the solver
-  ours, byPicture, paper
+  ours, leastChange, paper
     landed    features that end within half a pixel of the cursor
     folded    lights that fold and cannot be drawn
     lost      features that are not in the picture afterwards

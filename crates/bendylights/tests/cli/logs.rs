@@ -14,7 +14,7 @@ use crate::program::{Folder, TRIANGLE, json_of, printed, refused, run};
 use crate::serve::serve;
 
 const LOG: &str = include_str!("../../../../tests/logs/format-1.jsonl");
-const NEWEST_LOG: &str = include_str!("../../../../tests/logs/format-5.jsonl");
+const NEWEST_LOG: &str = include_str!("../../../../tests/logs/format-6.jsonl");
 /// Hash of the document after the log's last record.
 const HASH: &str = "1e2b7352aea306abf0967cf120f9030ced8ac4272d09995b46a7b002941708a7";
 
@@ -35,11 +35,11 @@ fn a_log_goes_in_and_comes_out_as_it_was() {
         std::fs::read_to_string(&out).expect("a log")
     };
     let newest = folder.file("newest.jsonl", NEWEST_LOG);
-    assert_eq!(printed(&["import", &newest, "--data", &data]), "old: 63 records\n");
+    assert_eq!(printed(&["import", &newest, "--data", &data]), "old: 73 records\n");
     assert_eq!(exported("old"), NEWEST_LOG);
     // A log of an earlier format is exported in the current format.
     let upgraded = folder.file("upgraded.jsonl", exported("main"));
-    assert!(exported("main").starts_with("{\"format\":5,"));
+    assert!(exported("main").starts_with("{\"format\":6,"));
     let replayed = json_of(&["replay", &upgraded]);
     assert_eq!((&replayed["checkpoints_ok"], &replayed["hash"]), (&json!(true), &json!(HASH)));
     assert_eq!(printed(&["import", &log, "--data", &data, "--name", "b.2"]), "b.2: 43 records\n");

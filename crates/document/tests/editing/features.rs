@@ -6,7 +6,9 @@ use document::{
     Change, Command, CommandContext, CommandResult, Document, EditError, LightPin, MAX_CHOSEN_POINTS, execute_command,
     solve_drag,
 };
-use drag::{Drag, DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, RadiusMode, SOLVER, Viewport};
+use drag::{
+    Drag, DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, PinTarget, RadiusMode, SOLVER, Viewport,
+};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{LIGHT_LINK, POSITION, ROTATION, TRANSLATION};
 use light::{CheckedLight, LightId, Links};
@@ -185,7 +187,7 @@ fn sky() -> scene::Camera {
 fn pins_of_the_document_hold_and_are_named_by_their_ids() {
     let mut before = document();
     let at = a_lit_point(&before);
-    let pin = |kind| DragPin { kind, at, caster: None, is_hard: true };
+    let pin = |kind| DragPin { kind, at: PinTarget::Point(at), caster: None, is_hard: true };
     let add = |kind, light| Command::AddPin(LightPin { light, pin: pin(kind) });
     // Pins of another light do not matter.
     done(&mut before, &Command::AddLight(Arc::clone(&DEMO.light)));
@@ -195,7 +197,7 @@ fn pins_of_the_document_hold_and_are_named_by_their_ids() {
 
     done(&mut before, &add(PinKind::Direction, LIGHT));
     let (id, _) = before.pins_of(LIGHT).next().expect("a pin");
-    let held = dragged(&before, &shadow(None, 45.0)).expect("as near as may be");
+    let held = dragged(&before, &shadow(Some(vec![1, 2, 3, 4]), 45.0)).expect("as near as may be");
     let direction = |document: &Document| {
         let tube = document.lights()[&LIGHT].light.tube().expect("a BendyLight").clone();
         tube.locate(at).point.map(|point| point.direction)

@@ -1,7 +1,7 @@
 //! Addition, change and removal of pins. Drags test their conditions.
 
 use document::{Change, Command, Document, EditError, LightPin, MAX_PINS, PinId, describe_changes};
-use drag::{DragPin, PinKind};
+use drag::{DragPin, PinKind, PinTarget};
 use glam::DVec3;
 use light::LightId;
 use light::parameters::NAME;
@@ -11,7 +11,7 @@ use crate::support::{BENDY, ROOM, SPOT, checked, done, refused, sample, spot, ta
 
 fn pin(light: LightId, kind: PinKind) -> LightPin {
     let at = DVec3::new(1.0, -0.25, 3.5);
-    LightPin { light, pin: DragPin { kind, at, caster: Some("vase".into()), is_hard: true } }
+    LightPin { light, pin: DragPin { kind, at: PinTarget::Point(at), caster: Some("vase".into()), is_hard: true } }
 }
 
 fn added(document: &mut Document, light: LightId) -> PinId {
@@ -59,7 +59,10 @@ fn every_part_of_a_pin_is_in_the_hash() {
         of(|pin| pin.kind = PinKind::Lit),
         of(|pin| pin.kind = PinKind::Direction),
         of(|pin| pin.kind = PinKind::Shadowed),
-        of(|pin| pin.at.y = 0.25),
+        of(|pin| pin.at = PinTarget::Point(DVec3::new(1.0, 0.25, 3.0))),
+        of(|pin| pin.kind = PinKind::Look),
+        of(|pin| pin.kind = PinKind::Coordinates),
+        of(|pin| pin.at = PinTarget::Node("vase".into())),
         of(|pin| pin.caster = None),
         of(|pin| pin.caster = Some(String::new())),
         of(|pin| pin.is_hard = false),
@@ -67,7 +70,7 @@ fn every_part_of_a_pin_is_in_the_hash() {
     for (i, hash) in hashes.iter().enumerate() {
         assert!(!hashes[..i].contains(hash), "variant {i} has the hash of another");
     }
-    assert_eq!(of(|pin| pin.at.x = 1.0), hashes[0], "the same pin, the same hash");
+    assert_eq!(of(|pin| pin.caster = Some("vase".into())), hashes[0], "the same pin, the same hash");
 }
 
 /// Rules: DOC-6, UNDO-1
@@ -110,7 +113,7 @@ fn invalid_pins_are_refused() {
     assert_eq!(refused(&document, &Command::AddPin(pin(nobodys, PinKind::Lit))), EditError::NoLight(nobodys));
     assert_eq!(refused(&document, &Command::RemovePin(PinId(99))), EditError::NoPin(PinId(99)));
     let mut nowhere = pin(BENDY, PinKind::Lit);
-    nowhere.pin.at.x = f64::NAN;
+    nowhere.pin.at = PinTarget::Point(DVec3::NAN);
     assert_eq!(refused(&document, &Command::AddPin(nowhere)), EditError::InvalidPin);
     // A caster may have any path that is listed.
     let thrown_by = |bytes: usize| {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use document::{AssetHash, CameraId, CameraParameter, Command, Document, LightPin, PinId};
-use drag::{Drag, DragPin, Feature, PinKind, RadiusMode, Viewport};
+use drag::{Drag, DragPin, Feature, PinKind, PinTarget, RadiusMode, Viewport};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, HEIGHT, INTENSITY, NAME, POINT_COLOR,
@@ -108,10 +108,16 @@ fn feature_drag() -> impl Strategy<Value = Drag> {
 }
 
 fn pin() -> impl Strategy<Value = DragPin> {
-    let kind =
-        prop_oneof![Just(PinKind::Direction), Just(PinKind::Lit), Just(PinKind::Shadowed), Just(PinKind::Shadow)];
+    let kind = prop_oneof![
+        Just(PinKind::Direction),
+        Just(PinKind::Look),
+        Just(PinKind::Lit),
+        Just(PinKind::Shadowed),
+        Just(PinKind::Shadow),
+        Just(PinKind::Coordinates)
+    ];
     let fields = (kind, vector(), option(name()), any::<bool>());
-    fields.prop_map(|(kind, at, caster, is_hard)| DragPin { kind, at, caster, is_hard })
+    fields.prop_map(|(kind, at, caster, is_hard)| DragPin { kind, at: PinTarget::Point(at), caster, is_hard })
 }
 
 fn option<T: std::fmt::Debug>(value: impl Strategy<Value = T>) -> impl Strategy<Value = Option<T>> {

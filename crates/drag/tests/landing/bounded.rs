@@ -3,8 +3,8 @@
 use std::cell::Cell;
 
 use drag::{
-    Drag, DragLimit, DragPin, DragResult, DragStatus, MAX_DRAG_STEPS, NumberedPin, PinKind, RadiusMode,
-    STEPS_BETWEEN_CHECKS, WorkBudget, drag_budgeted,
+    Drag, DragLimit, DragPin, DragRefusal, DragResult, DragStatus, MAX_DRAG_STEPS, NumberedPin, PinKind, PinTarget,
+    RadiusMode, STEPS_BETWEEN_CHECKS, WorkBudget, drag_budgeted,
 };
 use glam::{DVec2, DVec3};
 use light::CheckedLight;
@@ -27,7 +27,7 @@ fn pinned(scene: &TestScene) -> Trial {
     let pixels = (0..PIXELS).map(|k| DVec2::new(120.5 + 3.0 * (k % 20) as f64, 120.5 + 4.0 * (k / 20) as f64));
     let lit = pixels.filter_map(|pixel| scene.tube_point(&trial.light, pixel));
     let positions: Vec<DVec3> = lit.map(|(seen, _)| seen.position + origin).collect();
-    let pin = |(k, at)| DragPin { kind: PinKind::Direction, at, caster: None, is_hard: k == 0 };
+    let pin = |(k, at)| DragPin { kind: PinKind::Direction, at: PinTarget::Point(at), caster: None, is_hard: k == 0 };
     trial.pins = positions.repeat(TIMES).into_iter().enumerate().map(pin).collect();
     trial.drag = Drag { points: Some(vec![1, 2, 3, 4]), radii: RadiusMode::Solve, ..trial.drag };
     trial
@@ -41,7 +41,8 @@ fn run(scene: &TestScene, trial: &Trial, work: &WorkBudget) -> DragResult {
 fn hold(trial: &Trial, result: &DragResult) -> bool {
     let after = CheckedLight::new(result.light.clone()).expect("a light that can be evaluated");
     let direction = |light: &CheckedLight, pin: &DragPin| {
-        light.tube().and_then(|tube| tube.locate(pin.at).point).map(|point| point.direction)
+        let PinTarget::Point(at) = pin.at else { return None };
+        light.tube().and_then(|tube| tube.locate(at).point).map(|point| point.direction)
     };
     trial.pins.iter().filter(|pin| pin.is_hard).all(|pin| {
         let (was, is) = (direction(&trial.light, pin), direction(&after, pin));
@@ -50,7 +51,7 @@ fn hold(trial: &Trial, result: &DragResult) -> bool {
 }
 
 /// A drag that spends its budget, however small, has a light that holds its hard pins and brings the feature no farther
-/// away. It takes at most the limit, an eighth of it for judging, and the steps between two checks.
+/// away. It takes at most the limit and the steps between two checks.
 ///
 /// Rules: DRAG-7
 #[test]
@@ -61,25 +62,23 @@ fn a_drag_over_its_budget_is_limited_and_pins_hold() {
     let landed = run(&scene, &trial, &whole);
     let all = whole.spent_steps();
     println!("{:?} with {} pins takes {all} steps", landed.outcome.status, trial.pins.len());
-    assert!(trial.pins.len() > 20 && all > 200 * AT_ONCE, "{all}");
-    assert_ne!(landed.outcome.status, DragStatus::Limited(DragLimit::TooMuchWork));
+    assert!(trial.pins.len() > 20 && all > 100 * AT_ONCE, "{all}");
+    assert_eq!(landed.outcome.status, DragStatus::Landed);
     assert_eq!(run(&scene, &trial, &WorkBudget::with_limit(all, &|_| true)), landed, "what fits the bound is the same");
     let distance = trial.drag.from.distance(trial.drag.to);
-    let mut moved = 0;
     for share in [0, 1, 2, 4, 8, 12, 15] {
         let most = all * share / 16;
         let work = WorkBudget::with_limit(most, &|_| true);
         let result = run(&scene, &trial, &work);
         println!("{share}/16: {:?}, {} px of {distance} short", result.outcome.status, result.outcome.residual_px);
-        assert!(matches!(result.outcome.status, DragStatus::Limited(DragLimit::TooMuchWork) | DragStatus::Landed));
+        let too_much = DragStatus::Refused(DragRefusal::Limited(DragLimit::TooMuchWork));
+        assert_eq!((result.outcome.status, &result.light), (too_much, trial.light.light()));
         assert!(result.outcome.residual_px <= distance && hold(&trial, &result), "{result:?}");
-        assert!(work.spent_steps() <= most + most / 8 + 2 * AT_ONCE, "{} of {most}", work.spent_steps());
+        assert!(work.spent_steps() <= most + 2 * AT_ONCE, "{} of {most}", work.spent_steps());
         assert_eq!(result, run(&scene, &trial, &WorkBudget::with_limit(most, &|_| true)), "it is the same each time");
-        moved += usize::from(result.light != *trial.light.light());
         // Deliberate fault that the check must detect: without the limit the drag takes more.
-        assert!(share > 12 || all > most + most / 8 + 2 * AT_ONCE);
+        assert!(share > 12 || all > most + 2 * AT_ONCE);
     }
-    assert!(moved > 0, "none goes a part of the way");
 }
 
 /// A cancelled drag ends: it checks often if it should continue, and takes hardly a step after the refusal.

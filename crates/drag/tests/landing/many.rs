@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use drag::{DragPin, DragStatus, NumberedPin, PinKind, drag};
+use drag::{DragPin, DragStatus, NumberedPin, PinKind, PinTarget, drag};
 use glam::DVec2;
 
 use crate::support;
@@ -16,7 +16,7 @@ fn many_pins_take_as_long_as_there_are_many() {
     let origin = scene.bvh.posed.origin_in_world;
     let at = scene.seen(DVec2::new(150.5, 160.5)).expect("the vase").position + origin;
     for is_hard in [false, true] {
-        let pin = DragPin { kind: PinKind::Direction, at, caster: None, is_hard };
+        let pin = DragPin { kind: PinKind::Direction, at: PinTarget::Point(at), caster: None, is_hard };
         let run = |count: usize| {
             let pins = NumberedPin::by_index(vec![pin.clone(); count]);
             let began = Instant::now();

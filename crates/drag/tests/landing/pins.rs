@@ -1,16 +1,20 @@
 //! Pins hold. Measurements that share nothing with the solver check them.
 
-use drag::{DragLimit, DragPin, DragRefusal, DragStatus, Feature, NumberedPin, PinKind, RadiusMode, drag};
+use drag::{
+    Drag, DragLimit, DragPin, DragRefusal, DragResult, DragStatus, Feature, NumberedPin, PinKind, PinTarget,
+    RadiusMode, drag,
+};
 use glam::{DVec2, DVec3};
 use light::CheckedLight;
 use reference::{Reference, ReferenceLight, ShadedPoint};
-use scene::View;
+use scene::{View, ViewRay};
 
 use crate::support::{self, Random, TestScene, Trial, trials};
 
 /// Pin, and the pixel that shows its point.
 struct VisiblePin {
     pin: DragPin,
+    at: DVec3,
     pixel: DVec2,
 }
 
@@ -22,7 +26,7 @@ fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &Ch
     let surface = |pixel| reference.surface(&view, pixel);
     let Some(here) = surface(pinned.pixel) else { return f64::INFINITY };
     let located = |light: &CheckedLight, at: DVec3| light.tube().and_then(|tube| tube.locate(at).point);
-    let (Some(was), Some(is)) = (located(&trial.light, pinned.pin.at), located(now, pinned.pin.at)) else {
+    let (Some(was), Some(is)) = (located(&trial.light, pinned.at), located(now, pinned.at)) else {
         return f64::INFINITY;
     };
     let is_lit =
@@ -30,6 +34,8 @@ fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &Ch
     let zero_if = |holds: bool| if holds { 0.0 } else { f64::INFINITY };
     match pinned.pin.kind {
         PinKind::Direction => was.direction.angle_between(is.direction).to_degrees(),
+        PinKind::Look => unreachable!("no such pin is made"),
+        PinKind::Coordinates => libm::hypot(was.v - is.v, was.w - is.w),
         PinKind::Lit => zero_if(is_lit(&here)),
         PinKind::Shadowed => zero_if(!is_lit(&here)),
         PinKind::Shadow => {
@@ -37,7 +43,7 @@ fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &Ch
             let tube = trial.light.tube().expect("a BendyLight");
             let path = reference.bvh.bent_path(tube, was.v, was.w);
             let away = 1e-5 * reference.bvh.posed.half_extent.length();
-            let point = pinned.pin.at - origin;
+            let point = pinned.at - origin;
             let hit = reference.bvh.first_bent_hit(&path, was.t, |hit| hit.position.distance(point) > away);
             let Some(pivot) = hit.and_then(|hit| located(now, hit.position + origin)) else {
                 return f64::INFINITY;
@@ -71,7 +77,8 @@ fn random_pins(scene: &TestScene, reference: &Reference, trial: &Trial, random: 
         };
         let at = seen.position + scene.bvh.posed.origin_in_world;
         let is_hard = random.between(0.0, 1.0) < 0.6;
-        pins.push(VisiblePin { pin: DragPin { kind, at, caster: None, is_hard }, pixel });
+        let pin = DragPin { kind, at: PinTarget::Point(at), caster: None, is_hard };
+        pins.push(VisiblePin { pin, at, pixel });
         if pins.len() == 3 {
             break;
         }
@@ -79,8 +86,14 @@ fn random_pins(scene: &TestScene, reference: &Reference, trial: &Trial, random: 
     pins
 }
 
+/// True if the limit ends the drag on its way, or before a third of it.
+fn is_limited_by(result: &DragResult, limit: DragLimit) -> bool {
+    let status = result.outcome.status;
+    status == DragStatus::Limited(limit) || status == DragStatus::Refused(DragRefusal::Limited(limit))
+}
+
 /// In 200 sets of three pins, with lights that move as a whole and lights that bend, the hard pins hold, and a drag
-/// that converges only without pins names one. The study of drags measures how many more a slow solver solves.
+/// that lands only without pins names one. Half of the drags go to any pixel of the picture.
 ///
 /// Rules: DRAG-5
 #[test]
@@ -100,7 +113,8 @@ fn hard_pins_hold_wherever_the_drag_ends() {
                 let free = drag(&scene.bvh, &trial.light, &trial.drag, &[]);
                 match result.outcome.status {
                     DragStatus::Landed => landed += 1,
-                    DragStatus::Limited(DragLimit::Pin(number)) => {
+                    DragStatus::Limited(DragLimit::Pin(number))
+                    | DragStatus::Refused(DragRefusal::Limited(DragLimit::Pin(number))) => {
                         assert!(trial.pins[number as usize].is_hard, "{}", what());
                         by_pin += 1;
                     }
@@ -126,7 +140,7 @@ fn hard_pins_hold_wherever_the_drag_ends() {
     }
     println!("{landed} landed, {by_pin} limited by pins, {alike} as without; {was_off} would not hold");
     assert!(landed + by_pin + alike >= SETS);
-    assert!(landed * 2 >= SETS && was_off * 3 > SETS);
+    assert!(landed * 5 >= 2 * SETS && was_off * 3 > SETS);
 }
 
 /// An infeasible drag is limited by the pin that prevents it, and a hard pin that does not hold at the start is named.
@@ -145,15 +159,15 @@ fn infeasible_drags_name_the_pin() {
         }
         let other = scene.outside(&trial.light);
         let outside = scene.seen(other).expect("a surface").position + origin;
-        let pin = |kind, at| DragPin { kind, at, caster: None, is_hard: true };
+        let pin = |kind, at| DragPin { kind, at: PinTarget::Point(at), caster: None, is_hard: true };
         // The drag must change the direction at M', and the pin must keep it.
         trial.pins = vec![pin(PinKind::Direction, to.position + origin)];
         let result = scene.run(&trial);
-        assert_eq!(result.outcome.status, DragStatus::Limited(DragLimit::Pin(0)), "{result:?}");
+        assert!(is_limited_by(&result, DragLimit::Pin(0)), "{result:?}");
         // A soft pin yields.
         trial.pins[0].is_hard = false;
         let soft = scene.run(&trial);
-        assert_ne!(soft.outcome.status, DragStatus::Limited(DragLimit::Pin(0)), "{soft:?}");
+        assert!(!is_limited_by(&soft, DragLimit::Pin(0)), "{soft:?}");
         trial.pins.push(pin(PinKind::Lit, outside));
         assert_eq!(scene.run(&trial).outcome.status, DragStatus::Refused(DragRefusal::PinDoesNotHold(1)));
         trial.pins[1].is_hard = false;
@@ -172,7 +186,7 @@ fn the_source_stays_outside() {
     let (mut kept, mut through) = (0, 0);
     for mut trial in trials(&scene, Feature::Highlight, 60) {
         trial.drag.points = None;
-        let source = |result: &drag::DragResult| result.light.transform().translation;
+        let source = |result: &DragResult| result.light.transform().translation;
         let origin = scene.bvh.posed.origin_in_world;
         let from = trial.light.light().transform().translation;
         let goes_through = |to: DVec3| scene.bvh.first_hit(from - origin, to - from, [0.0, 1.0], |_| true).is_some();
@@ -184,7 +198,7 @@ fn the_source_stays_outside() {
         trial.drag.source_outside = true;
         let result = scene.run(&trial);
         assert!(!goes_through(source(&result)), "{result:?}");
-        let says = matches!(result.outcome.status, DragStatus::Landed | DragStatus::Limited(DragLimit::SourceInside));
+        let says = result.outcome.status == DragStatus::Landed || is_limited_by(&result, DragLimit::SourceInside);
         kept += usize::from(says);
         println!("{:?} {}", result.outcome.status, result.outcome.residual_px);
     }
@@ -207,7 +221,9 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     let surfaces = pixels.map(|pixel| reference.surface(&view, pixel).expect("the vase"));
     let origin = scene.bvh.posed.origin_in_world;
     let at = surfaces.each_ref().map(|surface| surface.position + origin);
-    let pins = at.map(|at| DragPin { kind: PinKind::Direction, at, caster: None, is_hard: true }).to_vec();
+    let pins = at
+        .map(|at| DragPin { kind: PinKind::Direction, at: PinTarget::Point(at), caster: None, is_hard: true })
+        .to_vec();
     let differs = |light: &light::Light| {
         let lit = |light: &CheckedLight, surface: &ShadedPoint| {
             let sample = reference.sample(&ReferenceLight::new(light), surface).expect("inside the light");
@@ -224,4 +240,111 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     // The smallest linear difference of a step of sRGB, in the dark, is 1 / 12.92 / 255.
     assert!(with < 1.0 / 12.92 / 255.0, "{with}");
     assert!(without > 1.0 / 255.0, "{without}: nothing had to be held");
+}
+
+/// Picture of a node in a light: the brightness of its pixels as displays show it, 0 to 255.
+struct NodePicture<'a> {
+    reference: &'a Reference,
+    surfaces: Vec<ShadedPoint>,
+    brightest: f64,
+}
+
+impl<'a> NodePicture<'a> {
+    fn new(scene: &TestScene, reference: &'a Reference, trial: &Trial, node: &str) -> Self {
+        let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
+        let index = scene.bvh.posed.scene.nodes.iter().position(|other| other.name == node).expect("the scene has it");
+        let pixels = (0..64 * 36).map(|k| DVec2::new(f64::from(k % 64) + 0.5, f64::from(k / 64) + 0.5) * 10.0);
+        let is_of_node = |pixel: &DVec2| {
+            let ray = ViewRay::new(&view.camera, trial.drag.view.size, *pixel, scene.bvh.posed.origin_in_world);
+            scene.bvh.visible_point(&ray).is_some_and(|seen| seen.node == index)
+        };
+        let surfaces = pixels.filter(is_of_node).filter_map(|pixel| reference.surface(&view, pixel)).collect();
+        let mut picture = Self { reference, surfaces, brightest: 1.0 };
+        picture.brightest = picture.lit(trial.light.light()).into_iter().fold(0.0, f64::max);
+        picture
+    }
+
+    fn lit(&self, light: &light::Light) -> Vec<f64> {
+        let light = ReferenceLight::new(&CheckedLight::new(light.clone()).expect("valid"));
+        let lit = |surface: &ShadedPoint| {
+            let sample = self.reference.sample(&light, surface).filter(|sample| sample.is_visible)?;
+            Some(sample.irradiance.max_element() * surface.normal.dot(sample.coords.direction).max(0.0))
+        };
+        self.surfaces.iter().map(|surface| lit(surface).unwrap_or(0.0)).collect()
+    }
+
+    /// Measures how many of 255 nine in ten pixels differ between two lights at most.
+    fn difference(&self, one: &light::Light, other: &light::Light) -> f64 {
+        let in_srgb = |brightness: f64| {
+            let linear = brightness / self.brightest;
+            255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
+        };
+        let pairs = self.lit(one).into_iter().zip(self.lit(other));
+        let mut off: Vec<f64> = pairs.map(|(one, other)| (in_srgb(one) - in_srgb(other)).abs()).collect();
+        off.sort_by(f64::total_cmp);
+        off[off.len() * 9 / 10]
+    }
+}
+
+/// The blue vase is pinned by its name, and keeps its look within 8 of 255 while its shadow moves.
+///
+/// Rules: DRAG-5
+#[test]
+fn a_pinned_node_keeps_its_look_while_its_shadow_moves() {
+    let scene = support::demo();
+    let reference = scene.reference();
+    let trial = scene.trial_of_the_demo(None);
+    let vase = NodePicture::new(&scene, &reference, &trial, "blue vase");
+    assert!(vase.surfaces.len() > 100, "{}", vase.surfaces.len());
+    let pin = DragPin { kind: PinKind::Look, at: PinTarget::Node("blue vase".into()), caster: None, is_hard: true };
+    let (mut landed, mut differs_free) = (0, 0);
+    for to in [(410.5, 285.5), (440.5, 290.5), (420.5, 275.5), (430.5, 300.5)] {
+        for points in [Some(vec![1, 2, 3, 4]), None] {
+            let drag = Drag { to: DVec2::from(to), points, radii: RadiusMode::Follow, ..trial.drag.clone() };
+            let run = |pins: &[NumberedPin]| crate::drag(&scene.bvh, &trial.light, &drag, pins);
+            let (free, pinned) = (run(&[]), run(&NumberedPin::by_index([pin.clone()])));
+            let off = [&free, &pinned].map(|result| vase.difference(trial.light.light(), &result.light));
+            println!("{to:?} {:?}: {:?} off by {off:.1?}", drag.points, pinned.outcome.status);
+            assert!(off[1] < 8.0, "{off:?} {:?}", pinned.outcome);
+            landed += usize::from(pinned.outcome.status == DragStatus::Landed);
+            differs_free += usize::from(off[0] > 8.0);
+        }
+    }
+    assert!(landed >= 4, "{landed} of 8 landed");
+    assert!(differs_free >= 6, "the planted fault: without the pin the vase looks otherwise, and {differs_free} do");
+}
+
+/// A hard pin of a point keeps the look within 2 of 255, or the place in the light.
+///
+/// Rules: DRAG-5
+#[test]
+fn a_pinned_point_keeps_its_look_and_its_place() {
+    let scene = support::demo();
+    let reference = scene.reference();
+    let trial = scene.trial_of_the_demo(None);
+    let drag = Drag { to: DVec2::new(410.5, 285.5), points: Some(vec![1, 2, 3, 4]), ..trial.drag.clone() };
+    let pixel = DVec2::new(165.5, 150.5);
+    let view = View::beauty(drag.view.camera.clone(), drag.view.size);
+    let surface = reference.surface(&view, pixel).expect("the vase");
+    let at = surface.position + scene.bvh.posed.origin_in_world;
+    let point = |light: &light::Light| {
+        let light = CheckedLight::new(light.clone()).expect("valid");
+        let sample = reference.sample(&ReferenceLight::new(&light), &surface).expect("inside");
+        let brightness = sample.irradiance.max_element() * surface.normal.dot(sample.coords.direction);
+        let place = light.tube().and_then(|tube| tube.locate(at).point).expect("inside");
+        (if sample.is_visible { brightness } else { 0.0 }, DVec2::new(place.v, place.w))
+    };
+    let was = point(trial.light.light());
+    let free = point(&crate::drag(&scene.bvh, &trial.light, &drag, &[]).light);
+    for kind in [PinKind::Look, PinKind::Coordinates] {
+        let is_held = |(brightness, place): (f64, DVec2)| match kind {
+            PinKind::Look => (brightness / was.0 - 1.0).abs() < 1e-5,
+            _ => place.distance(was.1) < 1e-5,
+        };
+        let pin = DragPin { kind, at: PinTarget::Point(at), caster: None, is_hard: true };
+        let result = crate::drag(&scene.bvh, &trial.light, &drag, &NumberedPin::by_index([pin]));
+        assert_eq!(result.outcome.status, DragStatus::Landed, "{kind:?}");
+        assert!(is_held(point(&result.light)), "{kind:?} {:?} {was:?}", point(&result.light));
+        assert!(!is_held(free), "the planted fault: {kind:?} holds without a pin");
+    }
 }

@@ -1,7 +1,7 @@
 //! Groups of commands that are one step.
 
 use document::{Change, Command, LightPin};
-use drag::{DragPin, PinKind};
+use drag::{DragPin, PinKind, PinTarget};
 use edit::{Action, EditRefusal, EditRequest, GroupedEdit, UndoScope};
 use glam::DVec3;
 use light::LightId;
@@ -14,7 +14,7 @@ fn group(commands: impl IntoIterator<Item = Command>) -> EditRequest {
 }
 
 fn pin_of(light: LightId) -> Command {
-    let pin = DragPin { kind: PinKind::Lit, at: DVec3::ZERO, caster: None, is_hard: true };
+    let pin = DragPin { kind: PinKind::Lit, at: PinTarget::Point(DVec3::ZERO), caster: None, is_hard: true };
     Command::AddPin(LightPin { light, pin })
 }
 

@@ -120,21 +120,12 @@ impl Tube<f64> {
         })
     }
 
-    /// Prepares `light`, from which this tube was made, with other control points. The result has the same bits as that
-    /// of [`Tube::new`]. The light's other values are not checked again.
+    /// Prepares `light`, from which this tube was made, with other control points, even if its tube folds then. Light has
+    /// no direction in a fold, but a solver can find its way out of it. The result has the same bits as that of
+    /// [`Tube::new`]. The light's other values are not checked again.
     pub fn with_points(&self, light: &Light, points: &[ControlPoint]) -> Result<Self, LightError> {
-        self.with_points_that(false, light, points)
-    }
-
-    /// Prepares the light like [`Self::with_points`], even if its tube folds. Light has no direction in a fold, but a
-    /// solver can find its way out of it.
-    pub fn with_points_that_may_fold(&self, light: &Light, points: &[ControlPoint]) -> Result<Self, LightError> {
-        self.with_points_that(true, light, points)
-    }
-
-    fn with_points_that(&self, may_fold: bool, light: &Light, points: &[ControlPoint]) -> Result<Self, LightError> {
         let end_mode = light.get(END_MODE);
-        let (segments, placement) = build::segments_of_points(points, light.transform(), self.up, end_mode, may_fold)?;
+        let (segments, placement) = build::segments_of_points(points, light.transform(), self.up, end_mode, true)?;
         let light_profile = self.light_profile.clone().with_min_distance(light, least_distance(&placement));
         Ok(Self { segments, n: points.len() - 2, placement, light_profile, ..*self })
     }

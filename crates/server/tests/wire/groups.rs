@@ -62,7 +62,7 @@ fn edits_are_one_step_where_that_is_asked() {
     // The record has ids instead of names, and each drag's outcome.
     let log = get(&SHARED, "/sessions/atomic/log?from=2&limit=1").text().to_owned();
     let record: Value = serde_json::from_str(&log).expect("a record");
-    assert_eq!((&record["format"], &record["action"]["type"]), (&json!(5), &json!("group")));
+    assert_eq!((&record["format"], &record["action"]["type"]), (&json!(6), &json!("group")));
     assert_eq!(record["action"]["edits"][1]["command"]["light"], rim);
     assert_eq!(record["action"]["edits"][3]["outcome"], outcomes[3]);
 }

@@ -87,7 +87,7 @@ fn results_have_the_added_ids_and_the_outcomes_of_drags() {
     };
     let dragged = edited("told", &json!([drag([340.5, 180.5]), drag([1e9, 0.0])]));
     let outcome = &dragged[0]["outcome"];
-    assert_eq!((&outcome["status"], &outcome["solver"]), (&json!("landed"), &json!("flow")));
+    assert_eq!((&outcome["status"], &outcome["solver"]), (&json!("landed"), &json!("picture")));
     assert!(outcome["residualPx"].as_f64().expect("pixels") <= 0.5);
     assert_eq!((dragged[1].get("outcome"), &dragged[1]["code"]), (None, &json!("drag")));
     assert_eq!(edited("told", &json!([drag([340.5, 180.5])]))[0], dragged[0], "the same operation again");

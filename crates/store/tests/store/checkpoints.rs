@@ -146,9 +146,9 @@ fn a_log_does_not_grow_by_what_it_holds() {
     let refused = store.import(younger.as_bytes(), None, &is_here).expect_err("a parameter of today");
     assert!(refused.to_string().contains("record 1: format 1 has no `exposure`"), "{refused}");
     let row = other.store().import(old.as_bytes(), Some("again"), &is_here).expect("format 1");
-    let today = old.replace(r#""format":1,"opId""#, r#""format":5,"opId""#);
+    let today = old.replace(r#""format":1,"opId""#, r#""format":6,"opId""#);
     let today = today.replace(&log.session.document().hash_of_format(1).to_string(), &log.hash().to_string());
-    let of_today = store.import(today.as_bytes(), Some("again"), &is_here).expect("format 5");
+    let of_today = store.import(today.as_bytes(), Some("again"), &is_here).expect("format 6");
     assert_eq!(row.proof, of_today.proof, "upgraded");
     other.store().replay("again", None).expect("a log");
 }

@@ -24,9 +24,9 @@ fn a_log_goes_out_and_comes_in_again() {
     let log = stored_log(&mut store, "main", 250);
     let text = exported(&store, "main");
     let lines: Vec<_> = text.lines().collect();
-    assert_eq!(lines[0], r#"{"format":5,"session":"main"}"#);
+    assert_eq!(lines[0], r#"{"format":6,"session":"main"}"#);
     assert_eq!(lines.len(), 1 + 252 + 26, "records 10, 20, ..., 250 and 252 have checkpoints");
-    let is_covered = |line: &&&str| line.starts_with("{\"format\":5,");
+    let is_covered = |line: &&&str| line.starts_with("{\"format\":6,");
     let proof = lines.iter().filter(is_covered).fold(String::new(), |proof, line| next_proof(&proof, line));
     assert_eq!(lines.last(), Some(&&*checkpoint(252, &log.hash().to_string(), &proof)));
 
@@ -35,7 +35,7 @@ fn a_log_goes_out_and_comes_in_again() {
     assert_ne!(row.epoch, store.session("main").expect("a session").epoch, "another history");
     // The same records under another header, which the proofs cover.
     let records = |text: &str| {
-        let lines = text.lines().filter(|line| line.starts_with("{\"format\":5,\"seq\""));
+        let lines = text.lines().filter(|line| line.starts_with("{\"format\":6,\"seq\""));
         lines.map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(records(&exported(&store, "copy")), records(&text));
@@ -54,7 +54,7 @@ fn a_log_goes_out_and_comes_in_again() {
 fn an_empty_log_is_a_log() {
     let mut store = Folder::new().store_of_main();
     let text = exported(&store, "main");
-    let header = r#"{"format":5,"session":"main"}"#;
+    let header = r#"{"format":6,"session":"main"}"#;
     let checkpoint = checkpoint(0, &empty_hash(), &next_proof("", header));
     assert_eq!(text, format!("{header}\n{checkpoint}\n"));
     let row = store.import(text.as_bytes(), Some("copy"), &|_| false).expect("a log");
@@ -117,11 +117,11 @@ fn a_changed_log_is_refused_by_line_or_record() {
     }
     let in_header = "the header or a line of records 1 to 10";
     refused("a session's name", in_header, &|l| l[0] = l[0].replace("main", "other"));
-    refused("an older header", "the header or a line", &|l| l[0] = l[0].replace("\"format\":5", "\"format\":3"));
+    refused("an older header", "the header or a line", &|l| l[0] = l[0].replace("\"format\":6", "\"format\":3"));
     refused("CR LF", "end in CR LF", &|l| l.iter_mut().for_each(|line| line.push('\r')));
-    refused("a newer format", "format 6", &|l| l[0] = l[0].replace("\"format\":5", "\"format\":6"));
-    let newer = "\"format\":6,\"later\":0";
-    refused("a newer record", "line 5: format 6", &|l| l[4] = l[4].replace("\"format\":5", newer));
+    refused("a newer format", "format 7", &|l| l[0] = l[0].replace("\"format\":6", "\"format\":7"));
+    let newer = "\"format\":7,\"later\":0";
+    refused("a newer record", "line 5: format 7", &|l| l[4] = l[4].replace("\"format\":6", newer));
     refused("an unknown field", "`gobo`", &|l| l[4] = l[4].replacen('{', "{\"gobo\":1,", 1));
     refused("no JSON", "line 5: ", &|l| l[4] = "{".into());
 }

@@ -97,7 +97,7 @@ fn a_duplicate_has_the_whole_log_and_proofs_of_its_own() {
     let files = ["main", "copy"].map(|name| exported(&store, name));
     let [of_main, of_copy] = files.each_ref().map(|file| file.lines().collect::<Vec<_>>());
     let records = |lines: &[&str]| -> Vec<String> {
-        lines.iter().filter(|line| line.starts_with("{\"format\":5,\"seq\"")).map(|line| (*line).into()).collect()
+        lines.iter().filter(|line| line.starts_with("{\"format\":6,\"seq\"")).map(|line| (*line).into()).collect()
     };
     assert_eq!(records(&of_main), records(&of_copy));
     assert_eq!(records(&of_main).len(), 42);

@@ -1,7 +1,7 @@
 //! Drags of every size, as numbers that can be drawn at random and changed one at a time.
 
 use bench::drag::{FEATURES, TrialScene};
-use drag::{Drag, DragPin, Feature, NumberedPin, PinKind, RadiusMode};
+use drag::{Drag, DragPin, Feature, NumberedPin, PinKind, PinTarget, RadiusMode};
 use fastrand::Rng;
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{CONE_ANGLE, END_MODE, ROTATION, TRANSLATION};
@@ -178,7 +178,8 @@ impl WorkCase {
             let surface = stage.surface(pixel)?;
             let sample = stage.reference.sample(&source, &surface)?;
             let kind = pin_kind(sample.is_visible, stays);
-            Some(DragPin { kind, at: surface.position + stage.origin(), caster: None, is_hard })
+            let at = PinTarget::Point(surface.position + stage.origin());
+            Some(DragPin { kind, at, caster: None, is_hard })
         });
         pins.take(self.pins).collect()
     }

@@ -96,19 +96,15 @@ pub fn answers(stages: &[TrialScene], sizes: CaseSizes, count: usize, seed: u64)
         let Some((light, requested)) = case.in_scene(stage) else { continue };
         made += 1;
         let result = drag(&stage.reference.bvh, &light, &requested, &[]);
-        writeln!(text, "{}", line(stage, &result)).expect("writing to a string does not fail");
+        writeln!(text, "{}", line(&result)).expect("writing to a string does not fail");
     }
     text
 }
 
 /// Returns the text of a result. Rust formats numbers so that different ones have different texts.
-fn line(stage: &TrialScene, result: &DragResult) -> String {
+fn line(result: &DragResult) -> String {
     let DragResult { light, outcome } = result;
-    let DragOutcome { status, residual_px, iterations, from_world, to_world, pivot_world, .. } = outcome;
-    // Nodes by their index, as version 3 named them.
-    let nodes = &stage.reference.bvh.posed.scene.nodes;
-    let index_of = |name: &String| nodes.iter().position(|node| node.name == *name);
-    let shadowed_by = outcome.shadowed_by.as_ref().and_then(index_of);
+    let DragOutcome { status, residual_px, shadowed_by, iterations, from_world, to_world, pivot_world, .. } = outcome;
     let placement = (light.get(TRANSLATION), light.get(ROTATION));
     format!(
         "{status:?} {residual_px:?} {shadowed_by:?} {iterations} {from_world:?} {to_world:?} {pivot_world:?} {:?} {:?} {:?}",

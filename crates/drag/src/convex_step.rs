@@ -4,10 +4,19 @@ use crate::bound::Bound;
 use crate::matrix::{Matrix, add_scaled, cholesky, dot, solve_lower, solve_lower_transposed, solve_symmetric};
 use crate::work::WorkBudget;
 
-/// Weights of the squared change of the light since the start of the drag, and of that of this sub-step, in units of
-/// the unknowns: lengths of the light, and radians.
-pub(crate) const CHANGE_WEIGHT: f64 = 3.0;
-pub(crate) const STEP_WEIGHT: f64 = 30.0;
+/// Weights of the squared change of the light, in units of the unknowns: lengths of the light, and radians.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepWeights {
+    /// Weight of the change since the start of the drag.
+    pub change: f64,
+    /// Weight of the change by this step; above 0.
+    pub step: f64,
+}
+
+impl StepWeights {
+    /// Weights of a step without rows, all alike.
+    pub const EVEN: Self = Self { change: 0.0, step: 1.0 };
+}
 
 /// Weight of the squared violation of a hard bound.
 const BOUND_WEIGHT: f64 = 1e3;
@@ -25,6 +34,14 @@ pub(crate) struct Slopes {
     pub bounds: Matrix,
 }
 
+impl Slopes {
+    /// Makes slopes of nothing in `n` unknowns.
+    pub fn none(n: usize) -> Self {
+        let none = Matrix::zero(0, n);
+        Self { equations: none.clone(), rows: none.clone(), bounds: none }
+    }
+}
+
 /// Values at the light about which a drag is linearized.
 pub(crate) struct StepValues<'a> {
     pub equations: &'a [f64],
@@ -33,14 +50,20 @@ pub(crate) struct StepValues<'a> {
 }
 
 /// Computes the change `d` of the unknowns `x` that minimizes
-/// `|rows|^2 + CHANGE_WEIGHT |x + d|^2 + STEP_WEIGHT |d|^2 + sum weight min(0, bound)^2` with all equations fulfilled.
+/// `|rows|^2 + change |x + d|^2 + step |d|^2 + sum weight min(0, bound)^2` with all equations fulfilled.
 ///
 /// The problem is strictly convex, so `d` is a continuous function of all inputs while the equations are independent.
-pub(crate) fn convex_step(x: &[f64], at: &StepValues, slopes: &Slopes, work: &WorkBudget) -> Vec<f64> {
+pub(crate) fn convex_step(
+    x: &[f64],
+    at: &StepValues,
+    slopes: &Slopes,
+    weights: StepWeights,
+    work: &WorkBudget,
+) -> Vec<f64> {
     let n = x.len();
     let mut metric = Matrix::zero(n, n);
-    let mut right: Vec<f64> = x.iter().map(|x| -CHANGE_WEIGHT * x).collect();
-    (0..n).for_each(|k| *metric.at(k, k) = CHANGE_WEIGHT + STEP_WEIGHT);
+    let mut right: Vec<f64> = x.iter().map(|x| -weights.change * x).collect();
+    (0..n).for_each(|k| *metric.at(k, k) = weights.change + weights.step);
     for (row, value) in at.rows.iter().enumerate() {
         if !work.spend((n * n) as u64) {
             return vec![0.0; n];

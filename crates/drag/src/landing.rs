@@ -1,0 +1,235 @@
+//! Light with the feature of a drag at a pixel.
+
+use glam::DVec2;
+use light::CheckedLight;
+use raycast::SeenPoint;
+
+use crate::chain::{ChainRule, follow};
+use crate::convex_step::StepWeights;
+use crate::dragged_feature::DraggedFeature;
+use crate::moves::Unknowns;
+use crate::occlusion::Occlusion;
+use crate::picture_metric::PictureMetric;
+use crate::pins::Pins;
+use crate::point_in_light::PointInLight;
+use crate::problem::{Objective, Problem, Tracked};
+use crate::request::{Drag, DragLimit, Feature, RadiusMode};
+use crate::start::{DragStart, seen_at};
+use crate::taken_feature::TakenFeature;
+use crate::visibility::Visibility;
+
+/// Largest distance of a landed feature from the cursor, in pixels. The lit side of a surface has to reach 0, since its
+/// distance is 0 wherever the surface faces the light closely enough.
+const LANDED_PX: f64 = 0.5;
+
+/// Largest distance at which two points of a light path count as the same point, as a share of their distance from the
+/// source or from the point under the cursor.
+const SAME_POINT_TOLERANCE: f64 = 1e-6;
+
+/// Sub-steps along the feature's way, and further steps at its end.
+const SUB_STEPS: usize = 16;
+const END_STEPS: usize = 4;
+
+/// Largest change of the light in a sub-step, in units of the unknowns, per pixel that the feature moves.
+const MAX_CHANGE_PER_PX: f64 = 0.1;
+
+/// Factors of the weights of the picture: the first, and the one if the feature does not land by that.
+const PICTURE_WEIGHTS: [f64; 2] = [1.0, 0.1];
+
+const WEIGHTS: StepWeights = StepWeights { change: 3.0, step: 30.0 };
+
+/// Cost of checking a light, in steps per control point.
+const CHECK_COST_STEPS: u64 = 1_000;
+
+/// Most tangents that are added in a drag. The second number is the most at which soft pins may still add some.
+const MAX_TANGENTS: [usize; 2] = [12, 4];
+
+/// Drag to any end.
+pub(crate) struct DragToAnyEnd<'a> {
+    pub occlusion: &'a Occlusion<'a>,
+    pub light: &'a CheckedLight,
+    pub drag: &'a Drag,
+    pub start: DragStart<'a>,
+    pub metric: PictureMetric,
+}
+
+/// Light with the feature at a pixel.
+pub(crate) struct Landing {
+    pub light: CheckedLight,
+    pub residual_px: f64,
+    /// Node that shadows the feature in place of the dragged caster.
+    pub shadowed_by: Option<usize>,
+    pub iterations: usize,
+}
+
+impl<'a> DragToAnyEnd<'a> {
+    /// Prepares a drag. If it `keeps_picture`, the rest of the picture changes as little as it can, else the light.
+    pub fn new(
+        occlusion: &'a Occlusion<'a>,
+        light: &'a CheckedLight,
+        drag: &'a Drag,
+        start: DragStart<'a>,
+        keeps_picture: bool,
+    ) -> Self {
+        // The wish of a dragged hotspot is that the picture changes.
+        let metric = if keeps_picture && drag.feature != Feature::Hotspot {
+            PictureMetric::new(occlusion, &drag.view, &start.placed, start.caster.map(|caster| caster.node))
+        } else {
+            PictureMetric::default()
+        };
+        Self { occlusion, light, drag, start, metric }
+    }
+
+    /// True if changes of the unknowns do not move the feature.
+    pub fn has_no_effect(&self) -> bool {
+        let taken = self.start.taken(self.drag.feature, self.start.from);
+        let none = Pins::default();
+        let problem = self.problem(&taken, &self.start.unknowns, &none);
+        problem.has_no_effect(&problem.tracked_at_start(self.start.feature_t()))
+    }
+
+    /// Drags the feature to a pixel with all pins, and if it does not land, without the soft ones. Without any pins, and
+    /// with the source free, the light counts if the hard pins hold in it and its source crossed no surface, and else
+    /// the first that does not hold is the limit.
+    pub fn land(&self, pixel: DVec2) -> Result<Landing, DragLimit> {
+        let (pins, visibility) = (&self.start.pins, self.visibility());
+        let landed = self.land_with_pins(pixel, pins, &visibility);
+        let Err(limit) = landed else { return landed };
+        if pins.states.is_empty() && !self.drag.source_outside {
+            return Err(limit);
+        }
+        let hard = pins.hard();
+        if !hard.states.is_empty() && hard.states.len() < pins.states.len() {
+            let landed = self.land_with_pins(pixel, &hard, &visibility);
+            if landed.is_ok() {
+                return landed;
+            }
+        }
+        let anywhere = Visibility { source_outside: false, ..self.visibility() };
+        let free = self.land_with_pins(pixel, &Pins::default(), &anywhere).map_err(|_| limit)?;
+        let placed = self.start.placed.with(free.light.rays());
+        let from = self.start.placed.source();
+        match visibility.first_violated_pin(&placed, &hard) {
+            Some(pin) => Err(DragLimit::Pin(pin)),
+            None if visibility.crossed_surface(from, placed.source() - from).is_some() => Err(DragLimit::SourceInside),
+            None => Ok(free),
+        }
+    }
+
+    /// Drags the feature to a pixel. If the feature does not land, the picture counts less, and radii that may follow
+    /// the control points shrink where the tube would fold.
+    fn land_with_pins(&self, pixel: DVec2, pins: &Pins, visibility: &Visibility) -> Result<Landing, DragLimit> {
+        let to = self.surface(pixel)?;
+        let unknowns = &self.start.unknowns;
+        let kept = match unknowns {
+            Unknowns::Points { points, radii: RadiusMode::Follow, unit } => {
+                Some(Unknowns::Points { points: points.clone(), radii: RadiusMode::Keep, unit: *unit })
+            }
+            _ => None,
+        };
+        let land = |unknowns, weight| self.land_with(unknowns, pins, visibility, weight, pixel, to);
+        let land_by = |weight| match &kept {
+            Some(kept) => match land(kept, weight) {
+                Err(DragLimit::Fold) => land(unknowns, weight),
+                landed_or_limited => landed_or_limited,
+            },
+            None => land(unknowns, weight),
+        };
+        let [first, second] = PICTURE_WEIGHTS;
+        land_by(first).or_else(|limit| land_by(second).map_err(|_| limit))
+    }
+
+    fn surface(&self, pixel: DVec2) -> Result<SeenPoint, DragLimit> {
+        let to = seen_at(self.occlusion.bvh, &self.drag.view, pixel, self.occlusion.work);
+        to.filter(|to| self.occlusion.is_node_lit(to.node)).ok_or(DragLimit::NoDescent)
+    }
+
+    fn visibility(&self) -> Visibility<'_> {
+        Visibility { occlusion: self.occlusion, source_outside: self.drag.source_outside }
+    }
+
+    fn problem<'p>(&'p self, taken: &'p TakenFeature, unknowns: &'p Unknowns, pins: &'p Pins) -> Problem<'p> {
+        let placed = self.start.placed.clone();
+        Problem::new(Objective::Feature(taken), self.light, unknowns, placed, &self.metric, pins)
+    }
+
+    fn land_with(
+        &self,
+        unknowns: &Unknowns,
+        pins: &Pins,
+        visibility: &Visibility,
+        picture_weight: f64,
+        pixel: DVec2,
+        to: SeenPoint,
+    ) -> Result<Landing, DragLimit> {
+        let taken = self.start.taken(self.drag.feature, to);
+        let mut problem = Problem { picture_weight, ..self.problem(&taken, unknowns, pins) };
+        let near = problem.tracked_at_start(self.start.feature_t());
+        let px_of_step = self.drag.from.distance(pixel).max(1.0) / SUB_STEPS as f64;
+        let rule = ChainRule {
+            sub_steps: SUB_STEPS,
+            end_steps: END_STEPS,
+            weights: WEIGHTS,
+            max_change: MAX_CHANGE_PER_PX * px_of_step,
+            max_rows: f64::INFINITY,
+        };
+        let mut iterations = 0;
+        // Visibility has no slope. So the drag is solved without it, and an edge that the light crossed becomes a
+        // further bound.
+        let end = loop {
+            let end = follow(&problem, problem.unmoved(), &near, [0.0, 1.0], &rule)?;
+            iterations += end.iterations;
+            let count = problem.tangents.len();
+            if count >= MAX_TANGENTS[0] {
+                break end;
+            }
+            let tangents = visibility.violated_tangents(&problem, &end.x, count < MAX_TANGENTS[1]);
+            if tangents.is_empty() {
+                break end;
+            }
+            problem.tangents.extend(tangents);
+        };
+        if let Some(limit) = visibility.violated_limit(&problem, &end.x) {
+            return Err(limit);
+        }
+        self.occlusion.work.spend(CHECK_COST_STEPS * self.light.light().points().len() as u64);
+        let moved = CheckedLight::new(unknowns.light(self.light.light(), &end.x)).map_err(|_| DragLimit::Fold)?;
+        let (residual_px, shadowed_by) = self.judge(&taken, &moved, &end.tracked, pixel)?;
+        Ok(Landing { light: moved, residual_px, shadowed_by, iterations })
+    }
+
+    /// Checks with rays that the feature of a light is at a pixel, and can be seen there. Returns its distance from the
+    /// pixel, and the node that shadows it in place of the dragged caster.
+    fn judge(
+        &self,
+        taken: &TakenFeature,
+        moved: &CheckedLight,
+        tracked: &Tracked,
+        pixel: DVec2,
+    ) -> Result<(f64, Option<usize>), DragLimit> {
+        let placed = self.start.placed.with(moved.rays());
+        let (bvh, view) = (self.occlusion.bvh, &self.drag.view);
+        let residual_px = DraggedFeature { bvh, view, taken, placed: &placed }.distance_px(tracked.feature, pixel);
+        let least_px = if taken.feature == Feature::Diffuse { 0.0 } else { LANDED_PX };
+        if residual_px > least_px {
+            return Err(DragLimit::NoDescent);
+        }
+        // If paths of a light overlap, the root that counts may differ from the tracked one.
+        let counts = placed.locate(taken.to.position, None).ok_or(DragLimit::TubeEdge)?;
+        let is_tracked = |coords: &PointInLight, t: f64| (coords.t - t).abs() < SAME_POINT_TOLERANCE * (1.0 + t.abs());
+        let caster_counts = |caster| placed.locate(caster, None).is_some_and(|at| is_tracked(&at, tracked.feature[1]));
+        if !is_tracked(&counts, tracked.feature[0]) || !taken.pivot.is_none_or(caster_counts) {
+            return Err(DragLimit::TubeEdge);
+        }
+        let is_dark = self.occlusion.is_unlit(&placed, &counts, &taken.to);
+        let Some(pivot) = taken.pivot else {
+            // A feature that was lit stays lit.
+            let was_dark = self.occlusion.is_unlit(&self.start.placed, &self.start.coords, &taken.from);
+            return if is_dark && !was_dark { Err(DragLimit::NoDescent) } else { Ok((residual_px, None)) };
+        };
+        let first = self.occlusion.first_caster(&placed, &counts, &taken.to);
+        let first = first.filter(|_| is_dark).ok_or(DragLimit::NoDescent)?;
+        let is_the_pivot = pivot.distance(first.position) < SAME_POINT_TOLERANCE * pivot.distance(taken.to.position);
+        Ok((residual_px, (!is_the_pivot).then_some(first.node)))
+    }
+}
