@@ -165,8 +165,8 @@ impl MetricPoint {
         let facing = 0.5 * (cosine + (cosine * cosine + COSINE_FADE * COSINE_FADE).sqrt());
         let brightness =
             irradiance / brightest * facing * within_edge(rho - 1.0) * within_edge(-coords.distance_to_ends);
-        let beyond = if self.was_lit { EDGE_SLOPE * (rho - 1.0).clamp(0.0, 1.0) } else { 0.0 };
-        let log = libm::log(brightness + DARK) - beyond;
+        let beyond = (rho - 1.0).clamp(0.0, 1.0) + (-coords.distance_to_ends).clamp(0.0, 1.0);
+        let log = libm::log(brightness + DARK) - if self.was_lit { EDGE_SLOPE * beyond } else { 0.0 };
         Some(Brightness { log, to_light: coords.to_light, t: coords.t })
     }
 }

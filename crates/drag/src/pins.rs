@@ -15,7 +15,7 @@ use crate::start::seen_at;
 /// Softness of soft pins: an error of 0.1 (radii or radians) weighs as much as a change of three lengths of the light.
 /// The second number is that of a hard pin of a node, whose points can hardly all hold exactly.
 const SOFT_PIN_COMPLIANCE: f64 = 1e-3;
-const NODE_PIN_COMPLIANCE: f64 = 1e-5;
+const NODE_PIN_COMPLIANCE: f64 = 3e-4;
 
 /// Number of pixels that are tried for points of a pinned node, and most points.
 const NODE_CANDIDATES: u32 = 256;

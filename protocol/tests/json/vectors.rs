@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use document::{AssetHash, CameraId, CameraParameter, Command, CommandContext, SceneContents};
+use document::{AssetHash, CameraId, CameraParameter, Command, CommandContext, LightPin, SceneContents};
+use drag::{DragPin, PinKind, PinTarget};
 use glam::{DQuat, DVec3};
 use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR, POINT_INTENSITY,
@@ -99,6 +100,8 @@ fn commands() -> Vec<(&'static str, Command)> {
     let (position, radius, color, intensity) = (None, None, None, None);
     let orthographic = Projection::Orthographic { ymag: 2.0, aspect_ratio: Some(1.5), znear: 0.5, zfar: 10.0 };
     let (translation, scale) = (Some(vector), Some(2.0));
+    let pin =
+        |kind, at| Command::AddPin(LightPin { light: BENDY, pin: DragPin { kind, at, caster: None, is_hard: true } });
     vec![
         ("a scene", Command::LoadScene { asset: ROOM, name: "room".into() }),
         ("a light that comes", Command::AddLight(checked(bendy()))),
@@ -124,6 +127,8 @@ fn commands() -> Vec<(&'static str, Command)> {
             Command::DragPoint { light: BENDY, point: 2, position: DVec3::NEG_X * 3.0, radii_follow: true },
         ),
         ("a point inserted", Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity }),
+        ("a pin of a point", pin(PinKind::Look, PinTarget::Point(vector))),
+        ("a pin of an object", pin(PinKind::Coordinates, PinTarget::Node("vases/blue".into()))),
         ("a camera that comes", Command::AddCamera(eye())),
         ("a camera that goes", Command::RemoveCamera(EYE)),
         ("a camera placed", Command::PlaceCamera { camera: EYE, translation, rotation: Some(rotation) }),

@@ -36,7 +36,10 @@ export function applyChange(table: ParameterTable, document: Document, change: C
       return onCamera(table, document, change.camera, change.new);
     case "pin": {
       const content = change.new === null ? null : { pin: change.new };
-      return { ...document, pins: withId(document.pins ?? [], change.pin, content) };
+      const { pins: before = [], ...rest } = document;
+      const pins = withId(before, change.pin, content);
+      // As in the server's documents, no pins are left out.
+      return pins.length === 0 ? rest : { ...rest, pins };
     }
   }
 }
