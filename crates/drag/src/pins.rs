@@ -95,7 +95,8 @@ impl Pins {
     }
 }
 
-/// Finds points of a node and of those below it that the picture shows, evenly spread over the picture.
+/// Finds points of a node and of those below it that the picture shows, evenly spread over the picture. If it shows none,
+/// finds points anywhere on their surfaces.
 fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: &str) -> Vec<DVec3> {
     let (bvh, posed) = (occlusion.bvh, &occlusion.bvh.posed);
     let tree = posed.node_tree();
@@ -105,8 +106,8 @@ fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: &str) -> Vec<DVe
     let parents = |index: usize| std::iter::successors(Some(index), |index| nodes[*index].parent);
     let is_of_node: Vec<bool> = (0..nodes.len()).map(|index| parents(index).any(|index| index == root)).collect();
     let origin = posed.origin_in_world;
-    let triangles = bvh.triangles.iter().filter(|triangle| is_of_node[triangle.node]);
-    let corners = triangles.flat_map(|triangle| triangle.corners);
+    let triangles: Vec<_> = bvh.triangles.iter().filter(|triangle| is_of_node[triangle.node]).collect();
+    let corners = triangles.iter().flat_map(|triangle| triangle.corners);
     let size = DVec2::from(view.size.map(f64::from));
     let (mut least, mut most) = (size, DVec2::ZERO);
     for pixel in corners.filter_map(|corner| pixel_of(&view.camera, view.size, corner, origin)) {
@@ -115,5 +116,11 @@ fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: &str) -> Vec<DVe
     }
     let pixels = (0..NODE_CANDIDATES).map(|number| least + low_discrepancy(number) * (most - least));
     let seen = pixels.filter_map(|pixel| seen_at(bvh, view, pixel, occlusion.work));
-    seen.filter(|seen| is_of_node[seen.node]).map(|seen| seen.position).take(POINTS_OF_NODE).collect()
+    let in_picture = seen.filter(|seen| is_of_node[seen.node]).map(|seen| seen.position);
+    let points: Vec<DVec3> = in_picture.take(POINTS_OF_NODE).collect();
+    if !points.is_empty() {
+        return points;
+    }
+    let apart = triangles.len().div_ceil(POINTS_OF_NODE).max(1);
+    triangles.iter().step_by(apart).map(|triangle| triangle.corners.iter().sum::<DVec3>() / 3.0).collect()
 }

@@ -114,10 +114,8 @@ async function shadow(page, picture, http) {
     [410.5, 300.5],
   ];
   const record = await drag(page, "Shadow", way, (when) => picture(page, `1-shadow-${when}`), http);
-  expect(
-    record.action.outcome.status === "landed",
-    `The shadow must land: ${JSON.stringify(record.action.outcome)}`,
-  );
+  const { residualPx } = record.action.outcome;
+  expect(residualPx <= 2, `The shadow must land within 2 pixels: ${JSON.stringify(record.action.outcome)}`);
   const kept = furthest(vase, await colors(page, ON_BLUE));
   expect(kept <= 8, `Pinned, the vase must look as it did; it differs by ${kept} of 255.`);
   const left = furthest(table, await colors(page, [[430.5, 265.5]]));

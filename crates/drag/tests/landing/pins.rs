@@ -2,12 +2,12 @@
 
 use drag::{
     Drag, DragLimit, DragPin, DragRefusal, DragResult, DragStatus, Feature, NumberedPin, PinKind, PinTarget,
-    RadiusMode, drag,
+    RadiusMode, Viewport, drag,
 };
-use glam::{DVec2, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 use light::CheckedLight;
 use reference::{Reference, ReferenceLight, ShadedPoint};
-use scene::{View, ViewRay};
+use scene::{Camera, View, ViewRay};
 
 use crate::support::{self, Random, TestScene, Trial, trials};
 
@@ -347,4 +347,31 @@ fn a_pinned_point_keeps_its_look_and_its_place() {
         assert!(is_held(point(&result.light)), "{kind:?} {:?} {was:?}", point(&result.light));
         assert!(!is_held(free), "the planted fault: {kind:?} holds without a pin");
     }
+}
+
+/// A pin of a node holds too in a picture that does not show the node: one of the table from above.
+///
+/// Rules: DRAG-5
+#[test]
+fn a_pinned_node_need_not_be_in_the_picture() {
+    let scene = support::demo();
+    let reference = scene.reference();
+    let trial = scene.trial_of_the_demo(None);
+    let vase = NodePicture::new(&scene, &reference, &trial, "blue vase");
+    let (shadow, _) = scene.tube_point(&trial.light, trial.drag.from).expect("the table");
+    let camera = Camera {
+        translation: shadow.position + scene.bvh.posed.origin_in_world + DVec3::Y,
+        rotation: DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2),
+        ..trial.drag.view.camera.clone()
+    };
+    let view = Viewport { camera, ..trial.drag.view.clone() };
+    let (from, to) = (DVec2::new(320.0, 180.0), DVec2::new(300.0, 230.0));
+    let drag = Drag { view, from, to, points: Some(vec![1, 2, 3, 4]), ..trial.drag.clone() };
+    let pin = DragPin { kind: PinKind::Look, at: PinTarget::Node("blue vase".into()), caster: None, is_hard: true };
+    let run = |pins: &[NumberedPin]| crate::drag(&scene.bvh, &trial.light, &drag, pins);
+    let (free, pinned) = (run(&[]), run(&NumberedPin::by_index([pin])));
+    let off = [&free, &pinned].map(|result| vase.difference(trial.light.light(), &result.light));
+    println!("{:?} {:?}, off by {off:.1?}", free.outcome.status, pinned.outcome.status);
+    assert_ne!(pinned.light, *trial.light.light(), "{:?}", pinned.outcome);
+    assert!(off[1] < 8.0 && off[0] > 8.0, "the second is the planted fault: {off:?}");
 }
