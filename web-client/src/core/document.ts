@@ -38,7 +38,7 @@ export function applyChange(table: ParameterTable, document: Document, change: C
       const content = change.new === null ? null : { pin: change.new };
       const { pins: before = [], ...rest } = document;
       const pins = withId(before, change.pin, content);
-      // As in the server's documents, no pins are left out.
+      // Without pins the server's documents have no list of them.
       return pins.length === 0 ? rest : { ...rest, pins };
     }
   }
