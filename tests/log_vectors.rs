@@ -100,6 +100,8 @@ fn cameras_and_pins() -> Vec<Value> {
         pin(&json!({"kind": "lit", "hard": false})),
         pin(&json!({"kind": "shadowed"})),
         pin(&json!({"kind": "shadow", "caster": "room/vase"})),
+        pin(&json!({"kind": "look", "at": "room/vase"})),
+        pin(&json!({"kind": "coordinates", "at": "", "hard": false})),
         json!({"type": "setPin", "pin": 6, "hard": false}),
         json!({"type": "removePin", "pin": 8}),
         json!({"type": "removeCamera", "camera": 4}),

@@ -5,9 +5,9 @@ use raycast::{Bvh, SeenPoint};
 
 use crate::SOLVER;
 use crate::landing::{DragToAnyEnd, Landing};
-use crate::occlusion::Occlusion;
+use crate::occlusion::{Occlusion, seen_at};
 use crate::request::{Drag, DragLimit, DragOutcome, DragRefusal, DragResult, DragStatus, NumberedPin};
-use crate::start::{DragStart, seen_at};
+use crate::start::DragStart;
 use crate::work::WorkBudget;
 
 /// Number of parts of the way whose ends are tried, from the cursor backwards, before the last part is halved.

@@ -8,13 +8,13 @@ use crate::chain::{ChainRule, follow};
 use crate::convex_step::StepWeights;
 use crate::dragged_feature::DraggedFeature;
 use crate::moves::Unknowns;
-use crate::occlusion::Occlusion;
+use crate::occlusion::{Occlusion, seen_at};
 use crate::picture_metric::PictureMetric;
 use crate::pins::Pins;
 use crate::point_in_light::PointInLight;
 use crate::problem::{Objective, Problem, Tracked};
 use crate::request::{Drag, DragLimit, Feature, RadiusMode};
-use crate::start::{DragStart, seen_at};
+use crate::start::DragStart;
 use crate::taken_feature::TakenFeature;
 use crate::visibility::Visibility;
 

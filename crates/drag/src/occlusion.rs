@@ -1,11 +1,13 @@
-//! Casters that light meets on its path.
+//! Surfaces that a picture shows, and casters that light meets on its path.
 
 use glam::{DVec2, DVec3};
 use light::parameters::SHADOW_ENABLE;
 use light::{CheckedLight, LightRays};
 use raycast::{Bvh, CONTACT_TOLERANCE, LinkedNodes, SeenPoint, rounding_error};
+use scene::ViewRay;
 
 use crate::point_in_light::{PointInLight, SceneLight};
+use crate::request::Viewport;
 use crate::work::WorkBudget;
 
 /// Cosine below which a surface surely faces away from the light. Pictures use the tangent of the light path, which
@@ -38,6 +40,12 @@ pub(crate) struct Contact {
     pub within: f64,
     /// Triangle that the point lies on. A straight path meets it only once.
     pub triangle: Option<usize>,
+}
+
+/// Returns the surface that a pixel shows.
+pub(crate) fn seen_at(bvh: &Bvh, view: &Viewport, pixel: DVec2, work: &WorkBudget) -> Option<SeenPoint> {
+    let ray = ViewRay::new(&view.camera, view.size, pixel, bvh.posed.origin_in_world);
+    bvh.visible_point_budgeted(&ray, |boxes| work.spend_on_rays(boxes))
 }
 
 impl<'a> Occlusion<'a> {

@@ -2,9 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use raycast::SeenPoint;
-use scene::ViewRay;
 
-use crate::occlusion::Occlusion;
+use crate::occlusion::{Occlusion, seen_at};
 use crate::point_in_light::SceneLight;
 use crate::request::Viewport;
 
@@ -75,8 +74,7 @@ impl PictureMetric {
             if in_light == POINTS_IN_LIGHT && beside == POINTS_BESIDE {
                 break;
             }
-            let ray = ViewRay::new(&view.camera, view.size, low_discrepancy(number) * size, light.origin_in_world);
-            let Some(seen) = bvh.visible_point_budgeted(&ray, |boxes| work.spend_on_rays(boxes)) else { continue };
+            let Some(seen) = seen_at(bvh, view, low_discrepancy(number) * size, work) else { continue };
             let Some(near) = light.nearest_t(seen.position) else { continue };
             let Some((coords, irradiance)) = light.locate_with_edge_irradiance(seen.position, near) else { continue };
             let rho = light.rho2(&coords).sqrt();

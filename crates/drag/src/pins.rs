@@ -5,12 +5,11 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 use scene::pixel_of;
 
-use crate::occlusion::Occlusion;
+use crate::occlusion::{Occlusion, seen_at};
 use crate::picture_metric::low_discrepancy;
 use crate::pin_state::PinState;
 use crate::point_in_light::SceneLight;
 use crate::request::{DragRefusal, NumberedPin, PinTarget, Viewport};
-use crate::start::seen_at;
 
 /// Softness of soft pins: an error of 0.1 (radii or radians) weighs as much as a change of three lengths of the light.
 /// The second number is that of a hard pin of a node, whose points can hardly all hold exactly.

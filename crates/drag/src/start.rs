@@ -1,23 +1,14 @@
 //! Start of a drag: the picked surfaces, the light coordinates of the feature, and the unknowns.
 
-use glam::DVec2;
 use light::{CheckedLight, LightRays};
-use raycast::{Bvh, SeenPoint};
-use scene::ViewRay;
+use raycast::SeenPoint;
 
 use crate::moves::Unknowns;
 use crate::occlusion::{Occlusion, ShadowCaster};
 use crate::pins::Pins;
 use crate::point_in_light::{PointInLight, SceneLight};
-use crate::request::{Drag, DragRefusal, Feature, NumberedPin, Viewport};
+use crate::request::{Drag, DragRefusal, Feature, NumberedPin};
 use crate::taken_feature::TakenFeature;
-use crate::work::WorkBudget;
-
-/// Returns the surface that a pixel shows.
-pub(crate) fn seen_at(bvh: &Bvh, view: &Viewport, pixel: DVec2, work: &WorkBudget) -> Option<SeenPoint> {
-    let ray = ViewRay::new(&view.camera, view.size, pixel, bvh.posed.origin_in_world);
-    bvh.visible_point_budgeted(&ray, |boxes| work.spend_on_rays(boxes))
-}
 
 /// Start of a drag, the same for all its ends.
 pub(crate) struct DragStart<'a> {
