@@ -166,15 +166,16 @@ fn a_backup_and_its_restore_that_are_killed_anywhere_leave_all_or_nothing() {
         fs::read_dir(folder.path()).expect("a folder").map(|file| file.expect("a file").file_name()).collect();
     names.sort();
     assert_eq!(names, ["again", "copy"]);
-    // The planted fault: a copy file by file into the final place is detected.
-    let in_place = |from: &Path, to: &Path| {
-        let mut python = Command::new("python3");
-        python
-            .args(["-c", COPY_IN_PLACE])
-            .args([from, to])
-            .spawn()
-            .expect("python3: `apt-get install python3` brings it")
-    };
-    let (left, damaged) = kill_copies(&copy, &folder.path().join("in-place"), KILLS, in_place);
-    assert!(damaged > 0, "{left} copies in place, none cut");
+    // The planted fault: a copy file by file into the final place is detected. It is killed once its folder is there.
+    let in_place = folder.path().join("in-place");
+    let mut python = Command::new("python3");
+    python.args(["-c", COPY_IN_PLACE]).args([&copy, &in_place]);
+    let mut copying = python.spawn().expect("python3: `apt-get install python3` brings it");
+    while !in_place.exists() {
+        assert_eq!(copying.try_wait().expect("a process"), None, "it ended without a copy");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    copying.kill().expect("killed");
+    copying.wait().expect("it ends");
+    assert_ne!(holds(&in_place), holds(&copy), "a copy in place was whole at once");
 }
