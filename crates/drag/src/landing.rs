@@ -95,7 +95,9 @@ impl<'a> DragToAnyEnd<'a> {
         let (pins, visibility) = (&self.start.pins, self.visibility());
         let landed = self.land_with_pins(pixel, pins, &visibility);
         let Err(limit) = landed else { return landed };
-        if pins.states.is_empty() && !self.drag.source_outside {
+        // Control points leave the source where it is.
+        let holds_source = self.drag.source_outside && matches!(self.start.unknowns, Unknowns::Rigid { .. });
+        if pins.states.is_empty() && !holds_source {
             return Err(limit);
         }
         let hard = pins.hard();
@@ -195,6 +197,10 @@ impl<'a> DragToAnyEnd<'a> {
         self.occlusion.work.spend(CHECK_COST_STEPS * self.light.light().points().len() as u64);
         let moved = CheckedLight::new(unknowns.light(self.light.light(), &end.x)).map_err(|_| DragLimit::Fold)?;
         let (residual_px, shadowed_by) = self.judge(&taken, &moved, &end.tracked, pixel)?;
+        // Rays that the budget cut short meet nothing, so what they say does not count.
+        if self.occlusion.work.is_exhausted() {
+            return Err(DragLimit::TooMuchWork);
+        }
         Ok(Landing { light: moved, residual_px, shadowed_by, iterations })
     }
 

@@ -124,6 +124,13 @@ impl PinState {
         self.irradiance * self.start_coords.to_light.dot(self.normals[0]).max(0.0)
     }
 
+    /// True if at least half of the light of the start of the drag arrives at `coords`, if no caster blocks it. `None` if
+    /// the budget is spent.
+    pub fn keeps_light(&self, placed: &SceneLight, coords: &PointInLight) -> Option<bool> {
+        // The bound that the solver keeps is exact to its tolerance.
+        Some(self.brightness(placed, coords)? >= (1.0 - 1e-5) * LEAST_LIT_SHARE * self.start_brightness())
+    }
+
     /// True if light arrives at the front of the surface, if no caster blocks it.
     pub fn is_lit(&self, occlusion: &Occlusion, placed: &SceneLight, coords: &PointInLight) -> bool {
         self.normals.iter().all(|normal| normal.dot(coords.along_path) > 0.0)
@@ -208,9 +215,8 @@ impl PinState {
                     let least = SHADOW_EDGE_MARGIN.min(0.5 * self.start_coords.along_path.dot(normal));
                     bound(coords.along_path.dot(normal) - least)
                 }));
-                let [normal, _] = self.normals;
-                let now = irradiance * coords.to_light.dot(normal).max(0.0);
-                let was = self.irradiance * self.start_coords.to_light.dot(normal);
+                let now = irradiance * coords.to_light.dot(self.normals[0]).max(0.0);
+                let was = self.start_brightness();
                 if was > 0.0 {
                     bounds.push(bound(libm::log((now / was).max(UNLIT) / LEAST_LIT_SHARE)));
                 }

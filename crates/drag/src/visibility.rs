@@ -109,7 +109,7 @@ impl Visibility<'_> {
                 (shown(now) - shown(was)).abs() < NODE_BRIGHTNESS && pin.is_lit(self.occlusion, placed, &coords)
             }
             (PinKind::Look, _) => !pin.is_lit(self.occlusion, placed, &coords),
-            (PinKind::Lit, _) => now >= 0.5 * was && pin.is_lit(self.occlusion, placed, &coords),
+            (PinKind::Lit, _) => pin.keeps_light(placed, &coords)? && pin.is_lit(self.occlusion, placed, &coords),
             (PinKind::Shadowed, _) => pin.is_shadowed(self.occlusion, placed, &coords),
             (PinKind::Shadow | PinKind::Coordinates, _) => {
                 let across = match pin.pivot {
@@ -128,7 +128,7 @@ impl Visibility<'_> {
         let coords = placed.locate(pin.point, None)?;
         let is_from_there = || coords.to_light.distance(pin.start_coords.to_light) < HELD_TOLERANCE;
         let is_held = match (pin.kind, pin.pivot) {
-            (PinKind::Lit, _) => pin.is_lit(self.occlusion, placed, &coords),
+            (PinKind::Lit, _) => pin.keeps_light(placed, &coords)? && pin.is_lit(self.occlusion, placed, &coords),
             (PinKind::Shadow, Some((pivot, _))) => {
                 let pivot = placed.locate(pivot, None)?;
                 pivot.t < coords.t
