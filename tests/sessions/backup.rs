@@ -115,13 +115,13 @@ fn holds(data: &Path) -> Option<(BTreeMap<String, String>, usize)> {
     Some((sessions, whole.count()))
 }
 
-/// Starts copies with `begin` and kills each at a different time, up to a little after its usual end, and later if the
+/// Starts backups and kills each at a different time, up to a little after its usual end, and later if the
 /// machine is so slow that all were killed before. Returns the number of copies that left something, and of those among
 /// them that are not complete.
-fn kill_copies(data: &Path, to: &Path, count: u32, begin: impl Fn(&Path, &Path) -> Child) -> (u32, u32) {
+fn kill_backups(data: &Path, to: &Path, count: u32) -> (u32, u32) {
     let whole = holds(data).expect("data");
     let began = Instant::now();
-    assert!(begin(data, to).wait().expect("it ends").success());
+    assert!(backup(data, to).wait().expect("it ends").success());
     let (took, mut left, mut damaged) = (began.elapsed(), 0, 0);
     for kill in 0..10 * count {
         if kill >= count && left > 0 {
@@ -130,7 +130,7 @@ fn kill_copies(data: &Path, to: &Path, count: u32, begin: impl Fn(&Path, &Path) 
         if to.exists() {
             fs::remove_dir_all(to).expect("removed");
         }
-        let mut copy = begin(data, to);
+        let mut copy = backup(data, to);
         std::thread::sleep(took.mul_f64(1.2 * f64::from(kill) / f64::from(count)));
         copy.kill().expect("killed");
         copy.wait().expect("it ends");
@@ -150,7 +150,7 @@ fn a_backup_and_its_restore_that_are_killed_anywhere_leave_all_or_nothing() {
     make_data(&data);
     let kills = env::var("BENDYLIGHTS_KILLS").map_or(KILLS, |kills| kills.parse().expect("a number"));
     let check = |from: &Path, to: &Path| {
-        let (left, damaged) = kill_copies(from, to, kills, backup);
+        let (left, damaged) = kill_backups(from, to, kills);
         eprintln!("{kills} kills: {left} copies were whole by then");
         assert_eq!(damaged, 0, "of {left} that were left");
         assert!((1..kills).contains(&left), "some were killed before they were done, some after: {left}");
