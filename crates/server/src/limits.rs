@@ -38,7 +38,7 @@ pub const MAX_SOLVES: usize = MAX_SOCKETS + MAX_REQUESTS;
 pub const SHORT_SOLVE_STEPS: u64 = 20_000_000;
 /// Solver time that a client may use for short solves before its solves count as long, in seconds of a core: about 25
 /// drags per second of a usual light. Long solves take no more time if the CPU is otherwise idle.
-pub const SHORT_SOLVE_RATE: AllowanceRate = AllowanceRate { per_second: 0.1, burst: 0.2 };
+pub const SHORT_SOLVE_RATE: AllowanceRate = AllowanceRate { per_second: 0.25, burst: 0.5 };
 /// Messages that a socket may send while a user of another client moves a view. The rate is several times that of a
 /// user who acknowledges frames and drags or orbits.
 pub const THROTTLED_MESSAGE_RATE: AllowanceRate = AllowanceRate { per_second: 400.0, burst: 400.0 };

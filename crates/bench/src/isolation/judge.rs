@@ -71,7 +71,7 @@ pub struct VictimPace {
     pub longest_gap_ms: f64,
     /// Number of updates per second that the victim sent.
     pub updates_per_second: f64,
-    /// Number of drags of features by the victim.
+    /// Number of drags of features that the victim sent or waited for.
     pub own_drags: usize,
     /// Time from sending a drag of a feature to its answer, or to the time at which the benchmark gave up waiting.
     pub own_drag_ms: Quantiles,
@@ -98,9 +98,11 @@ impl Timeline {
         let seconds = to.saturating_duration_since(from).as_secs_f64().max(f64::MIN_POSITIVE);
         let shown = self.new_frame_times();
         let gaps: Vec<f64> = gaps(&shown, window).into_iter().map(ms).collect();
+        // A drag that was sent before the period and not answered by its start counts: one may be waited for all through.
         let drags_ms: Vec<f64> = (self.timed_drags.iter())
-            .filter(|ask| is_within(&ask.sent))
-            .map(|ask| ms(ask.answered.unwrap_or(followed_to).saturating_duration_since(ask.sent)))
+            .map(|drag| (drag.sent, drag.answered.unwrap_or(followed_to)))
+            .filter(|(sent, answered)| *sent < to && *answered >= from)
+            .map(|(sent, answered)| ms(answered.saturating_duration_since(sent)))
             .collect();
         let a_second = |times: &[Instant]| times.iter().filter(|at| is_within(at)).count() as f64 / seconds;
         VictimPace {
@@ -326,6 +328,11 @@ mod tests {
             assert_eq!(with(&answer), [MissedBound::OwnDrag]);
         }
         assert_eq!(with(&|timeline| timeline.timed_drags.clear()), [MissedBound::OwnDrag]);
+        let mut waited_throughout = usual_timeline.clone();
+        waited_throughout.timed_drags.retain_mut(|drag| drag.sent < window.from && drag.answered.take().is_some());
+        waited_throughout.timed_drags.drain(..4);
+        let waited_throughout = waited_throughout.pace(window);
+        assert_eq!((waited_throughout.own_drags, waited_throughout.own_drag_ms.p50), (1, 2400.0));
 
         let usual = pace(usual);
         let solves = [BusyThread { name: "solve".into(), share: 1.0 }];
