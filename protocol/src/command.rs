@@ -225,6 +225,9 @@ impl TryFrom<Command> for document::Command {
                 if drag.pins.is_some() {
                     return Err(Refused::DragPins);
                 }
+                if drag.alternatives {
+                    return Err(Refused::DragAlternatives);
+                }
                 let light = LightId(drag.light);
                 Self::DragFeature { light, drag: Box::new(drag.to_domain(drag.camera.clone().into(), |_| true)) }
             }

@@ -4,13 +4,14 @@ use std::fmt;
 
 use document::{LightPin, PinId};
 use drag::{
-    DragOutcome as Outcome, DragRefusal, Feature, NumberedPin, PinKind as Kind, PinTarget as Target, RadiusMode,
-    Viewport,
+    Alternative, DragChoice as Choice, DragOutcome as Outcome, DragRefusal, Feature, NumberedPin, PinKind as Kind,
+    PinTarget as Target, RadiusMode, Viewport,
 };
 use light::LightId;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::Camera;
 use crate::conversion::same_variants;
 use crate::vector::Vec3;
 
@@ -40,6 +41,36 @@ pub enum DragRadii {
     Solve,
     /// Shrinks radii that would make the tube fold, and restores them when they no longer would.
     Follow,
+}
+
+/// [`drag::DragChoice`] in JSON: the alternative to solve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum DragChoice {
+    /// The alternative that lands and changes the picture least, without a linked copy.
+    Best,
+    ControlPoints,
+    Narrower,
+    WholeLight,
+    PastCaster,
+    LinkedCopy,
+}
+
+/// [`drag::Alternative`] in JSON: the part of a light that follows a dragged feature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum DragAlternative {
+    /// Control points, with their radii.
+    ControlPoints,
+    /// Control points whose radii shrink where the tube would fold, by a fifth at most.
+    Narrower,
+    /// Placement of the light.
+    WholeLight,
+    /// Control points that change the light past the caster of a dragged shadow alone.
+    PastCaster,
+    /// The light without the caster of a dragged shadow, which a copy of the light as it was illuminates. Another feature
+    /// moves on its surface alone, and the copy illuminates all else.
+    LinkedCopy,
 }
 
 /// [`drag::PinKind`] in JSON.
@@ -79,7 +110,11 @@ pub struct Drag<L, C> {
     pub light: L,
     /// Feature to drag.
     pub kind: DragKind,
-    /// Indices of the control points that may move. Default: the light moves as a whole.
+    /// Alternative that follows the feature. Default: what `points` and `radii` say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alternative: Option<DragChoice>,
+    /// Indices of the control points that may move. Default: the light moves as a whole; with `alternative`, all points
+    /// past the source.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub points: Option<Vec<usize>>,
     /// Mode of the radii. Default: `keep`.
@@ -98,18 +133,22 @@ pub struct Drag<L, C> {
     /// command has none of its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pins: Option<Vec<DragPin>>,
+    /// True for all alternatives in the answer, in a drag file. A command has one.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub alternatives: bool,
     /// True if the source may not pass through a surface.
     #[serde(default, alias = "source_outside", skip_serializing_if = "std::ops::Not::not")]
     pub source_outside: bool,
 }
 
 impl<L, C> Drag<L, C> {
-    /// Converts a drag of the light to JSON. `pins` is left out, since a command has none of its own.
+    /// Converts a drag of the light to JSON, without what a command does not have: pins and alternatives.
     pub(crate) fn new(light: L, camera: C, drag: &drag::Drag) -> Self {
-        let drag::Drag { feature, points, radii, view, from, to, source_outside, .. } = drag;
+        let drag::Drag { feature, choice, points, radii, view, from, to, source_outside, .. } = drag;
         Self {
             light,
             kind: (*feature).into(),
+            alternative: choice.map(Into::into),
             points: points.clone(),
             radii: (*radii).into(),
             camera,
@@ -117,6 +156,7 @@ impl<L, C> Drag<L, C> {
             from: from.to_array(),
             to: to.to_array(),
             pins: None,
+            alternatives: false,
             source_outside: *source_outside,
         }
     }
@@ -130,6 +170,7 @@ impl<L, C> Drag<L, C> {
         });
         drag::Drag {
             feature: self.kind.into(),
+            choice: self.alternative.map(Into::into),
             points: self.points.clone(),
             radii: self.radii.into(),
             view: Viewport { camera, size: self.size },
@@ -205,6 +246,16 @@ impl fmt::Display for NameOrIndex {
     }
 }
 
+/// Camera of a drag in a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "a name, an index or a camera")]
+pub enum DragCamera {
+    /// Name or index of a camera.
+    Listed(NameOrIndex),
+    /// Camera with all its values.
+    Own(Box<Camera>),
+}
+
 /// Pin of a document, with its id.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
@@ -266,6 +317,8 @@ pub enum DragReason {
     NoWeight,
     /// A hard pin is not fulfilled when the drag begins. `pin` names it.
     PinDoesNotHold,
+    /// The caster lies too near to the shadow for the light to bend between them, or there is no control point past it.
+    TooLittleRoom,
     /// The feature can go less than a third of the way. `limit` says why.
     Limited,
 }
@@ -279,6 +332,12 @@ pub struct DragOutcome {
     /// Version of the solver. Another version may give another light.
     pub version: u32,
     pub status: DragStatus,
+    /// Alternative that the light follows, if the drag has an `alternative`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alternative: Option<DragAlternative>,
+    /// Share of the picture's pixels that change visibly, 0 to 1, measured at 256 of them. A `refused` drag has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub changed_share: Option<f64>,
     /// Limit that stopped a drag that is `limited`, or `refused` for the reason `limited`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<DragLimit>,
@@ -330,6 +389,32 @@ impl From<drag::DragStatus> for StatusFields {
                 let limit = limit.map(Into::into);
                 Self { status: DragStatus::Refused, limit, reason: Some(refusal.into()), pin }
             }
+        }
+    }
+}
+
+impl From<DragChoice> for Choice {
+    fn from(choice: DragChoice) -> Self {
+        match choice {
+            DragChoice::Best => Self::Best,
+            DragChoice::ControlPoints => Self::Only(Alternative::ControlPoints),
+            DragChoice::Narrower => Self::Only(Alternative::Narrower),
+            DragChoice::WholeLight => Self::Only(Alternative::WholeLight),
+            DragChoice::PastCaster => Self::Only(Alternative::PastCaster),
+            DragChoice::LinkedCopy => Self::Only(Alternative::LinkedCopy),
+        }
+    }
+}
+
+impl From<Choice> for DragChoice {
+    fn from(choice: Choice) -> Self {
+        match choice {
+            Choice::Best => Self::Best,
+            Choice::Only(Alternative::ControlPoints) => Self::ControlPoints,
+            Choice::Only(Alternative::Narrower) => Self::Narrower,
+            Choice::Only(Alternative::WholeLight) => Self::WholeLight,
+            Choice::Only(Alternative::PastCaster) => Self::PastCaster,
+            Choice::Only(Alternative::LinkedCopy) => Self::LinkedCopy,
         }
     }
 }
@@ -391,6 +476,8 @@ impl From<&Outcome> for DragOutcome {
             solver: outcome.solver.clone(),
             version: outcome.version,
             status,
+            alternative: outcome.alternative.map(Into::into),
+            changed_share: outcome.changed_share,
             limit,
             reason,
             pin,
@@ -429,6 +516,8 @@ impl TryFrom<DragOutcome> for Outcome {
             solver: wire.solver,
             version: wire.version,
             status,
+            alternative: wire.alternative.map(Into::into),
+            changed_share: wire.changed_share,
             residual_px: wire.residual_px.unwrap_or(f64::INFINITY),
             shadowed_by: wire.shadowed_by,
             iterations: wire.iterations,
@@ -440,11 +529,12 @@ impl TryFrom<DragOutcome> for Outcome {
 }
 
 same_variants!(DragKind = Feature { Shadow, Hotspot, Highlight, Diffuse });
+same_variants!(DragAlternative = Alternative { ControlPoints, Narrower, WholeLight, PastCaster, LinkedCopy });
 same_variants!(DragRadii = RadiusMode { Keep, Solve, Follow });
 same_variants!(PinKind = Kind { Direction, Look, Lit, Shadowed, Shadow, Coordinates });
 same_variants!(drag::DragLimit => DragLimit {
     Fold, Radius, TubeEdge, NoDescent, SourceInside, TooMuchWork; Pin
 });
 same_variants!(DragRefusal => DragReason {
-    NothingAtStart, NothingAtEnd, OutsideTheLight, NoShadow, NotBendy, NoSuchPoint, NoWeight; PinDoesNotHold, Limited
+    NothingAtStart, NothingAtEnd, OutsideTheLight, NoShadow, NotBendy, NoSuchPoint, NoWeight, TooLittleRoom; PinDoesNotHold, Limited
 });

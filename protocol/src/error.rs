@@ -61,6 +61,9 @@ pub enum Refused {
     /// A drag in a session has pins of its own.
     #[error("`dragFeature` keeps the pins of the session: `pins` is for drag files")]
     DragPins,
+    /// A drag in a session asks for alternatives.
+    #[error("`dragFeature` is solved one way, which `alternative` names: `alternatives` is for drag files")]
+    DragAlternatives,
     /// The parts of a drag's outcome contradict one another.
     #[error("{0}: the log was changed; export it again")]
     Outcome(&'static str),
@@ -89,7 +92,9 @@ impl Refused {
     pub fn code(&self) -> ErrorCode {
         match self {
             Self::Light(error) => error.into(),
-            Self::Asset(_) | Self::Address(_) | Self::SolvedRadii | Self::DragPins => ErrorCode::BadMessage,
+            Self::Asset(_) | Self::Address(_) | Self::SolvedRadii | Self::DragPins | Self::DragAlternatives => {
+                ErrorCode::BadMessage
+            }
             Self::Edit(error) => error.into(),
             Self::Format { .. } => ErrorCode::Format,
             Self::Younger { .. } | Self::Outcome(_) => ErrorCode::BadLog,

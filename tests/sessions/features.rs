@@ -30,6 +30,8 @@ fn drag(mirror: &Mirror, points: Option<Vec<usize>>, down: f64) -> Command {
         from: SHADOW,
         to: [SHADOW[0], SHADOW[1] + down],
         pins: None,
+        alternative: None,
+        alternatives: false,
         source_outside: false,
     }))
 }

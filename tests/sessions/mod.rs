@@ -1,5 +1,6 @@
 //! Tests of whole sessions: the program as a server, clients on real sockets, their state and the files on disk.
 
+mod alternatives;
 mod backup;
 mod bending;
 mod crash;

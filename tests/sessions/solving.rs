@@ -52,6 +52,8 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
         from: [430.5, 265.5],
         to: [400.5, 300.5],
         pins: None,
+        alternative: None,
+        alternatives: false,
         source_outside: false,
     }))
 }

@@ -308,6 +308,18 @@ describe("drags", () => {
     expect(radius(1)).toBe(0.45);
   });
 
+  test("tell who asked about their record, once it is in the log", () => {
+    welcome();
+    const drag = session.drag(1);
+    drag.update(setRadius(1, 0.3));
+    const told: number[] = [];
+    drag.commit(({ seq }) => told.push(seq));
+    receive(log(record(4, [radiusChange(2, 0.9)])));
+    expect(told, "that was another's").toEqual([]);
+    receive(log(record(5, [radiusChange(1, 0.3)], sent("gestureCommit")[0]?.opId)));
+    expect(told).toEqual([5]);
+  });
+
   test("that never moved leave no trace", () => {
     welcome();
     session.drag(1).commit();

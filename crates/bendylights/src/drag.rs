@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use ::drag::drag;
+use ::drag::{WorkBudget, drag, drag_alternatives};
 use assets::LoadedScene;
 use cli::LIMITS;
-use protocol::drag_file::{DragResult, FileDrag, NameOrIndex};
+use protocol::drag_file::{DragCamera, DragResult, FileDrag, NameOrIndex};
 use raycast::Bvh;
 use scene::{Camera, framing_camera};
 
@@ -24,9 +24,13 @@ Takes a JSON array of drags:
            hotspot    M' lies in the light where M did
            highlight  light arrives at M' along the mirror direction
            diffuse    light arrives at M' along the normal
+  alternative  what follows: best (lands and changes the picture least), controlPoints, narrower (radii shrink by a fifth
+           at most where the light would fold), wholeLight, pastCaster (control points past what throws the shadow alone),
+           linkedCopy (a copy of the light as it was shines on what throws the shadow); null: what points and radii say [null]
+  alternatives  true for all of them, the best first, in `alternatives` of the answer [false]
   points   indices of the control points that move, and nothing else; null moves the light as a whole [null]
   radii    keep; solve: those of the moving points change too; follow: those that would fold the light shrink [keep]
-  camera   by its name or its index; null: the first, or one that frames the scene [null]
+  camera   by its name or its index, or as an object; null: the first, or one that frames the scene [null]
   size     width and height of the picture in pixels
   from, to in pixels from its top left corner; centres of pixels are at .5
   pins     what is to stay as it is, an array of {kind, light, at, caster, hard}: at a world position on a surface
@@ -38,8 +42,8 @@ Takes a JSON array of drags:
 Each drag begins with the light of the file, whatever the others do.
 
 Prints an array with an object for each: status (landed: within half a pixel; limited: as near as may be; refused),
-limit, reason and pin where there is one, residualPx, shadowedBy, iterations, seconds, fromWorld, toWorld, pivotWorld,
-the light, and the solver with its version.
+limit, reason and pin where there is one, residualPx, changedShare (of the picture's pixels), alternative, shadowedBy,
+iterations, seconds, fromWorld, toWorld, pivotWorld, the light, its copy if it has one, and the solver with its version.
 
 Example:
   bendylights drag demo:vases drags.json
@@ -79,10 +83,17 @@ pub fn run(args: &Args) -> Result<(), Error> {
                 return Err(Error::BadDrag { file: file.clone(), index, max_side: LIMITS.max_side });
             }
             let began = Instant::now();
-            let camera = camera(&args.scene, &bvh, &contents.cameras, file_drag)?;
+            let camera = camera(&args.scene, &bvh, &contents.cameras, file_drag, |why| Error::DragCamera {
+                file: file.clone(),
+                index,
+                why,
+            })?;
             let domain = file_drag.to_domain(camera, |wanted| wanted.index_in(names()) == Some(light));
-            let result = drag(&bvh, &lights[light], &domain, &[]);
-            let result = DragResult::new(&result, began.elapsed().as_secs_f64());
+            let (light, work) = (&lights[light], WorkBudget::new(&|_| true));
+            let solve_all = || drag_alternatives(&bvh, light, &domain, &[], &work);
+            let alternatives = if file_drag.alternatives { solve_all() } else { Vec::new() };
+            let best = alternatives.first().cloned().unwrap_or_else(|| drag(&bvh, light, &domain, &[]));
+            let result = DragResult::new(&best, &alternatives, began.elapsed().as_secs_f64());
             Ok(serde_json::to_string(&result).expect("finite numbers and string keys"))
         })
         .collect();
@@ -90,12 +101,23 @@ pub fn run(args: &Args) -> Result<(), Error> {
 }
 
 /// Returns the camera of a drag.
-fn camera(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &FileDrag) -> Result<Camera, Error> {
+fn camera(
+    scene: &str,
+    bvh: &Bvh,
+    cameras: &[Camera],
+    drag: &FileDrag,
+    invalid: impl FnOnce(&'static str) -> Error,
+) -> Result<Camera, Error> {
     let [width, height] = drag.size;
     let framing = || framing_camera(&bvh.posed.subject_bounds(), f64::from(width) / f64::from(height));
     Ok(match &drag.camera {
         None => cameras.first().cloned().unwrap_or_else(framing),
-        Some(wanted) => {
+        Some(DragCamera::Own(own)) => {
+            let camera = Camera::from((**own).clone());
+            camera.check().map_err(invalid)?;
+            camera
+        }
+        Some(DragCamera::Listed(wanted)) => {
             let names = || cameras.iter().map(|camera| camera.name.as_str());
             let found = wanted.index_in(names()).map(|index| cameras[index].clone());
             found.ok_or_else(|| Error::UnknownName {

@@ -64,6 +64,9 @@ pub enum Error {
     /// The picture of a drag has an invalid size.
     #[error("{file}: drag {index}: `size` must be two whole numbers from 1 to {max_side}: change it")]
     BadDrag { file: String, index: usize, max_side: u32 },
+    /// The camera of a drag makes no picture.
+    #[error("{file}: drag {index}: `camera`: {why}")]
+    DragCamera { file: String, index: usize, why: &'static str },
     /// The scene file cannot be used.
     #[error(transparent)]
     Scene(#[from] AssetError),

@@ -14,8 +14,7 @@ use crate::naming::quoted;
 use crate::pins::{MAX_PINS, check_pin, pin_addition, pin_change, pin_removals};
 use crate::points::{point_move_changes, renumbering_change};
 use crate::{
-    AssetHash, CameraId, CameraParameter, Change, Command, Document, EditError, NumberedLight, PointNumbering,
-    SceneContents, SceneRef,
+    AssetHash, CameraId, CameraParameter, Change, Command, Document, EditError, NumberedLight, SceneContents, SceneRef,
 };
 
 /// Maximum number of lights in a document. Each has a shadow map.
@@ -72,7 +71,7 @@ pub fn execute_command(
 fn changes_of(document: &Document, command: &Command, context: CommandContext) -> Result<Vec<Change>, EditError> {
     Ok(match command {
         Command::LoadScene { asset, name } => load_scene(document, *asset, name, context.loaded)?,
-        Command::AddLight(light) => vec![added_light(document.next_number(), light)],
+        Command::AddLight(light) => vec![Change::added_light(document.next_number(), light)],
         Command::RemoveLight(id) => {
             let gone = Change::Light { light: *id, old: Some(light(document, *id)?.clone()), new: None };
             [vec![gone], pin_removals(document, |pin| pin.light == *id)].concat()
@@ -361,11 +360,6 @@ fn wrong_shape<T>(document: &Document, id: LightId, what: &'static str) -> Resul
     Err(EditError::WrongKind { light: document.light_name(id), kind, what })
 }
 
-fn added_light(number: u64, light: &Arc<CheckedLight>) -> Change {
-    let placed = NumberedLight { layout: PointNumbering(number), light: Arc::clone(light) };
-    Change::Light { light: LightId(number), old: None, new: Some(placed) }
-}
-
 /// Removes all lights and cameras of the old scene and adds those of the new one.
 fn load_scene(
     document: &Document,
@@ -383,7 +377,7 @@ fn load_scene(
     let new = Some(SceneRef { asset, name: name.into() });
     changes.push(Change::Scene { old: document.scene.clone(), new });
     let mut numbers = document.next_number()..;
-    changes.extend(numbers.by_ref().zip(lights).map(|(number, light)| added_light(number, light)));
+    changes.extend(numbers.by_ref().zip(lights).map(|(number, light)| Change::added_light(number, light)));
     changes.extend(numbers.zip(cameras).map(|(number, camera)| Change::Camera {
         camera: CameraId(number),
         old: None,

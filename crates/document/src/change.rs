@@ -1,9 +1,10 @@
 //! Changes: the effect of a command, each on one property, with its old and new value.
 
 use std::mem::{discriminant, swap};
+use std::sync::Arc;
 
 use drag::{DragLimit, DragRefusal};
-use light::{LightError, LightId, Parameter, ParameterTouches, UndrawableLight, Value};
+use light::{CheckedLight, LightError, LightId, Parameter, ParameterTouches, UndrawableLight, Value};
 use thiserror::Error;
 
 use crate::{
@@ -292,6 +293,12 @@ impl Change {
         }
     }
 
+    /// Makes the change that adds a light under the number `number`.
+    pub(crate) fn added_light(number: u64, light: &Arc<CheckedLight>) -> Self {
+        let placed = NumberedLight { layout: PointNumbering(number), light: Arc::clone(light) };
+        Self::Light { light: LightId(number), old: None, new: Some(placed) }
+    }
+
     /// Returns true if a picture can show the change.
     pub fn changes_picture(&self) -> bool {
         self.touches() > ParameterTouches::Nothing
@@ -313,6 +320,9 @@ fn sentence(reason: DragRefusal) -> String {
         DragRefusal::NoSuchPoint => "control points that can be dragged are 1 to the last: choose of those".into(),
         DragRefusal::NoWeight => {
             "no control point that is chosen does anything where the drag begins: choose one that does".into()
+        }
+        DragRefusal::TooLittleRoom => {
+            "there is too little room, or no control point, behind what throws the shadow: choose another way".into()
         }
         DragRefusal::PinDoesNotHold(_) => {
             "a pin of it does not hold before anything moves: remove it, or make it soft".into()

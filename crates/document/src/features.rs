@@ -1,13 +1,15 @@
 //! Drags of features: the solution in a scene, and its changes to a document.
 
-use drag::{Drag, DragLimit, DragRefusal, DragResult, DragStatus, NumberedPin, WorkBudget};
-use light::parameters::{ROTATION, TRANSLATION};
-use light::{LightId, MAX_NAME_BYTES};
+use std::sync::Arc;
+
+use drag::{Drag, DragLimit, DragRefusal, DragResult, DragStatus, LightCopy, NumberedPin, WorkBudget};
+use light::parameters::{LIGHT_LINK, NAME, ROTATION, TRANSLATION};
+use light::{CheckedLight, LightId, MAX_NAME_BYTES};
 use raycast::Bvh;
 
-use crate::pins::check_drag_pin;
+use crate::pins::{check_drag_pin, pin_change};
 use crate::points::point_move_changes;
-use crate::{Change, Document, EditError, MAX_PINS, NumberedLight, PinId};
+use crate::{Change, Document, EditError, LightPin, MAX_PINS, NumberedLight, PinId};
 
 /// Maximum number of control points chosen for a drag. With more, hardly any drag converges within its work limit.
 pub const MAX_CHOSEN_POINTS: usize = 128;
@@ -71,10 +73,23 @@ pub(crate) fn feature_drag_changes(
         });
     }
     let (light, moved) = (placed.light.light(), &solved.light);
-    let placement = [TRANSLATION.row(), ROTATION.row()].into_iter().filter_map(|parameter| {
+    let placement = [TRANSLATION.row(), ROTATION.row(), LIGHT_LINK.row()].into_iter().filter_map(|parameter| {
         let (old, new) = (light.value(parameter)?.clone(), moved.value(parameter)?.clone());
         Some(Change::LightParameter { light: id, parameter, old, new })
     });
     // Changes of points that did not move have equal values and are dropped later.
-    Ok(placement.chain(point_move_changes(id, placed, moved.points())).collect())
+    let moves = placement.chain(point_move_changes(id, placed, moved.points()));
+    let added = solved.copy.as_ref().map_or(Ok(Vec::new()), |copy| copy_changes(document, copy))?;
+    Ok(moves.chain(added).collect())
+}
+
+/// Returns the changes that add a copy of a light, with the pins that hold on what it illuminates.
+fn copy_changes(document: &Document, copy: &LightCopy) -> Result<Vec<Change>, EditError> {
+    let invalid = |reason| EditError::InvalidLight { light: copy.light.get(NAME), reason };
+    let light = CheckedLight::new(copy.light.clone()).map_err(invalid)?;
+    let number = document.next_number();
+    let moved_pin =
+        |pin: &u64| pin_change(document, PinId(*pin), |held| Some(LightPin { light: LightId(number), ..held }));
+    let pins = copy.pins.iter().map(moved_pin).collect::<Result<Vec<_>, _>>()?;
+    Ok([vec![Change::added_light(number, &Arc::new(light))], pins].concat())
 }

@@ -1,20 +1,12 @@
-//! One drag: to the cursor, or as far along the straight way to it as the feature lands.
+//! Drags of features: by what they name, or by alternatives.
 
 use light::CheckedLight;
-use raycast::{Bvh, SeenPoint};
+use raycast::Bvh;
 
-use crate::SOLVER;
-use crate::landing::{DragToAnyEnd, Landing};
-use crate::occlusion::{Occlusion, seen_at};
-use crate::request::{Drag, DragLimit, DragOutcome, DragRefusal, DragResult, DragStatus, NumberedPin};
-use crate::start::DragStart;
+use crate::alternatives::{drag_all, drag_chosen};
+use crate::request::{Drag, DragResult, NumberedPin};
+use crate::solve::{DragTask, solved};
 use crate::work::WorkBudget;
-
-/// Number of parts of the way whose ends are tried, from the cursor backwards, before the last part is halved.
-const PARTS: u32 = 8;
-
-/// Least share of the way that a limited drag covers. A drag that covers less is refused.
-const LEAST_SHARE: f64 = 1.0 / 3.0;
 
 /// Drags a feature of `light` from one point of a picture to another, and changes the rest of the picture as little as
 /// it can. Keeps `pins` if the drag has none of its own.
@@ -33,109 +25,27 @@ pub fn drag_budgeted(
     pins: &[NumberedPin],
     work: &WorkBudget,
 ) -> DragResult {
-    solved(bvh, light, drag, pins, true, work)
+    drag_chosen(DragTask { bvh, light, drag, pins: drag.pins.as_deref().unwrap_or(pins), work })
+}
+
+/// Solves a drag by each alternative that the light and the feature have. Returns the best first, then those that land,
+/// are limited and are refused, each by what they change. Of those with the same picture, the first remains.
+///
+/// `drag.points` restricts the points that may move, and `drag.choice` has no effect. If `work` is cancelled, the results
+/// have no meaning.
+pub fn drag_alternatives(
+    bvh: &Bvh,
+    light: &CheckedLight,
+    drag: &Drag,
+    pins: &[NumberedPin],
+    work: &WorkBudget,
+) -> Vec<DragResult> {
+    drag_all(DragTask { bvh, light, drag, pins: drag.pins.as_deref().unwrap_or(pins), work })
 }
 
 /// Drags a feature like [`drag`], but changes the light as little as it can, whatever that does to the picture: a
 /// comparison by which benchmarks and tests show that the difference matters.
 pub fn drag_least_change(bvh: &Bvh, light: &CheckedLight, drag: &Drag) -> DragResult {
-    solved(bvh, light, drag, &[], false, &WorkBudget::new(&|_| true))
-}
-
-fn solved(
-    bvh: &Bvh,
-    light: &CheckedLight,
-    drag: &Drag,
-    pins: &[NumberedPin],
-    keeps_picture: bool,
-    work: &WorkBudget,
-) -> DragResult {
-    let pins = drag.pins.as_deref().unwrap_or(pins);
-    let (picked, mut result) = pick(bvh, light, drag, work);
-    let occlusion = Occlusion::new(bvh, light, work);
-    let distance = drag.from.distance(drag.to);
-    match DragStart::new(&occlusion, light, drag, pins, &picked) {
-        Err(refusal) => result.outcome.status = DragStatus::Refused(refusal),
-        Ok(start) => {
-            let origin = bvh.posed.origin_in_world;
-            result.outcome.pivot_world = start.caster.map(|caster| caster.position + origin);
-            result.outcome.residual_px = distance;
-            let to_any_end = DragToAnyEnd::new(&occlusion, light, drag, start, keeps_picture);
-            if to_any_end.has_no_effect() {
-                result.outcome.status = DragStatus::Refused(DragRefusal::NoWeight);
-            } else {
-                write_farthest(&to_any_end, drag, &mut result);
-            }
-        }
-    }
-    if work.is_exhausted() && matches!(result.outcome.status, DragStatus::Refused(_)) {
-        result.outcome.status = DragStatus::Refused(DragRefusal::Limited(DragLimit::TooMuchWork));
-        result.outcome.residual_px = distance;
-    }
-    result
-}
-
-/// Picks the surfaces at the start of the drag and under the cursor. Also returns the result of a drag that is refused.
-fn pick(bvh: &Bvh, light: &CheckedLight, drag: &Drag, work: &WorkBudget) -> ([Option<SeenPoint>; 2], DragResult) {
-    let origin = bvh.posed.origin_in_world;
-    let picked = [drag.from, drag.to].map(|pixel| seen_at(bvh, &drag.view, pixel, work));
-    let [from_world, to_world] = picked.map(|seen| seen.map(|seen| seen.position + origin));
-    let (solver, version) = SOLVER;
-    let outcome = DragOutcome {
-        solver: solver.into(),
-        version,
-        status: DragStatus::Refused(DragRefusal::NothingAtStart),
-        residual_px: f64::INFINITY,
-        shadowed_by: None,
-        iterations: 0,
-        from_world,
-        to_world,
-        pivot_world: None,
-    };
-    (picked, DragResult { light: light.light().clone(), outcome })
-}
-
-/// Drags the feature to the cursor, or as far as it lands, and writes the result.
-fn write_farthest(to_any_end: &DragToAnyEnd, drag: &Drag, result: &mut DragResult) {
-    let Drag { from, to, .. } = *drag;
-    let distance = from.distance(to);
-    let land = |share: f64| to_any_end.land(from.lerp(to, share));
-    // The limit is that at the cursor, whatever ends the way before.
-    let mut limit = match land(1.0) {
-        Ok(landing) => return write(to_any_end, &landing, DragStatus::Landed, result),
-        Err(limit) => limit,
-    };
-    // The farthest of a few places at which the feature lands, then the last pixel before it no longer does.
-    let share_of = |part: u32| f64::from(part) / f64::from(PARTS);
-    let parts = (1..PARTS).rev().take_while(|part| share_of(part + 1) > LEAST_SHARE);
-    let mut reached = parts.map(share_of).find_map(|share| Some((share, land(share).ok()?)));
-    if let Some((share, landing)) = &mut reached {
-        let mut beyond = *share + 1.0 / f64::from(PARTS);
-        while (beyond - *share) * distance > 1.0 {
-            let middle = f64::midpoint(*share, beyond);
-            match land(middle) {
-                Ok(found) => (*share, *landing) = (middle, found),
-                Err(_) => beyond = middle,
-            }
-        }
-    }
-    if to_any_end.occlusion.work.is_exhausted() {
-        limit = DragLimit::TooMuchWork;
-    }
-    match reached {
-        Some((share, landing)) if share >= LEAST_SHARE => {
-            let residual_px = distance * (1.0 - share);
-            write(to_any_end, &Landing { residual_px, ..landing }, DragStatus::Limited(limit), result);
-        }
-        _ => result.outcome.status = DragStatus::Refused(DragRefusal::Limited(limit)),
-    }
-}
-
-fn write(to_any_end: &DragToAnyEnd, landing: &Landing, status: DragStatus, result: &mut DragResult) {
-    let nodes = &to_any_end.occlusion.bvh.posed.scene.nodes;
-    result.light = landing.light.light().clone();
-    result.outcome.status = status;
-    result.outcome.residual_px = landing.residual_px;
-    result.outcome.iterations = landing.iterations;
-    result.outcome.shadowed_by = landing.shadowed_by.map(|node| nodes[node].name.clone());
+    let work = WorkBudget::new(&|_| true);
+    solved(DragTask { bvh, light, drag, pins: &[], work: &work }, false)
 }

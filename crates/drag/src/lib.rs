@@ -11,18 +11,22 @@
 //! of strictly convex steps (docs/decisions/14-drag-solver.md).
 //!
 //! The cost of a drag is counted in steps and bounded ([`WorkBudget`]), so that a drag past the bound gives the same
-//! bits too. Begin with `drag.rs` (one drag), `landing.rs` (a drag to one pixel), `chain.rs` (the solver), `problem.rs`
-//! (equations, rows and limits) and `moves.rs` (unknowns).
+//! bits too. Begin with `drag.rs` (drags), `alternatives.rs` (what may follow), `solve.rs` (one drag), `landing.rs` (a drag to one
+//! pixel), `chain.rs` (the solver), `problem.rs` (equations, rows and limits) and `moves.rs` (unknowns).
 
+mod alternatives;
 mod bound;
 mod chain;
 mod convex_step;
 mod drag;
 mod dragged_feature;
 mod landing;
+mod linked_copy;
 mod matrix;
 mod moves;
 mod occlusion;
+mod past_caster;
+mod picture_change;
 mod picture_metric;
 mod pin_state;
 mod pins;
@@ -30,16 +34,17 @@ mod point_in_light;
 mod problem;
 mod request;
 mod slide;
+mod solve;
 mod start;
 mod taken_feature;
 mod visibility;
 mod work;
 
-pub use drag::{drag, drag_budgeted, drag_least_change};
+pub use drag::{drag, drag_alternatives, drag_budgeted, drag_least_change};
 pub use dragged_feature::highlight_near;
 pub use request::{
-    Drag, DragLimit, DragOutcome, DragPin, DragRefusal, DragResult, DragStatus, Feature, NumberedPin, PinKind,
-    PinTarget, RadiusMode, Viewport,
+    Alternative, Drag, DragChoice, DragLimit, DragOutcome, DragPin, DragRefusal, DragResult, DragStatus, Feature,
+    LightCopy, NumberedPin, PinKind, PinTarget, RadiusMode, Viewport,
 };
 pub use slide::{Slide, slide_point};
 pub use work::{MAX_DRAG_STEPS, STEPS_BETWEEN_CHECKS, WorkBudget};

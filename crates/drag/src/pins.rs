@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::{DVec2, DVec3};
-use scene::pixel_of;
+use scene::{PosedScene, pixel_of};
 
 use crate::occlusion::{Occlusion, seen_at};
 use crate::picture_metric::low_discrepancy;
@@ -54,7 +54,8 @@ impl Pins {
                     made.states.extend(PinState::if_held(occlusion, placed, pin, point, compliance));
                 }
                 PinTarget::Node(node) => {
-                    let points = points_of_node(occlusion, view, node);
+                    let node = node_named(&occlusion.bvh.posed, node);
+                    let points = node.map_or_else(Vec::new, |node| points_of_node(occlusion, view, node));
                     let compliance = if pin.pin.is_hard { NODE_PIN_COMPLIANCE } else { SOFT_PIN_COMPLIANCE };
                     let compliance = compliance * points.len() as f64;
                     let held =
@@ -96,14 +97,14 @@ impl Pins {
 
 /// Finds points of a node and of those below it that the picture shows, evenly spread over the picture. If it shows none,
 /// finds points anywhere on their surfaces.
-fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: &str) -> Vec<DVec3> {
+pub(crate) fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: usize) -> Vec<DVec3> {
     let (bvh, posed) = (occlusion.bvh, &occlusion.bvh.posed);
-    let tree = posed.node_tree();
     let nodes = &posed.scene.nodes;
-    let named = (0..nodes.len()).find(|index| nodes[*index].name == *node || tree.path(*index) == *node);
-    let Some(root) = named.filter(|_| occlusion.work.spend(bvh.triangles.len() as u64)) else { return Vec::new() };
+    if !occlusion.work.spend(bvh.triangles.len() as u64) {
+        return Vec::new();
+    }
     let parents = |index: usize| std::iter::successors(Some(index), |index| nodes[*index].parent);
-    let is_of_node: Vec<bool> = (0..nodes.len()).map(|index| parents(index).any(|index| index == root)).collect();
+    let is_of_node: Vec<bool> = (0..nodes.len()).map(|index| parents(index).any(|parent| parent == node)).collect();
     let origin = posed.origin_in_world;
     let triangles: Vec<_> = bvh.triangles.iter().filter(|triangle| is_of_node[triangle.node]).collect();
     let corners = triangles.iter().flat_map(|triangle| triangle.corners);
@@ -122,4 +123,10 @@ fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: &str) -> Vec<DVe
     }
     let apart = triangles.len().div_ceil(POINTS_OF_NODE).max(1);
     triangles.iter().step_by(apart).map(|triangle| triangle.corners.iter().sum::<DVec3>() / 3.0).collect()
+}
+
+/// Returns the first node with a name or path.
+pub(crate) fn node_named(posed: &PosedScene, node: &str) -> Option<usize> {
+    let (tree, nodes) = (posed.node_tree(), &posed.scene.nodes);
+    (0..nodes.len()).find(|index| nodes[*index].name == *node || tree.path(*index) == *node)
 }

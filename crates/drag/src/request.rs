@@ -17,7 +17,10 @@ pub struct Viewport {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drag {
     pub feature: Feature,
-    /// Indices of the control points that may move; `None` moves the whole light.
+    /// Alternative to solve; `None` moves what `points` and `radii` say.
+    pub choice: Option<DragChoice>,
+    /// Indices of the control points that may move; `None` moves the whole light. With a choice, `None` is all points
+    /// past the source.
     pub points: Option<Vec<usize>>,
     /// Handling of the radii if control points move.
     pub radii: RadiusMode,
@@ -31,6 +34,36 @@ pub struct Drag {
     pub pins: Option<Vec<NumberedPin>>,
     /// True if the source may not go through a surface.
     pub source_outside: bool,
+}
+
+/// Choice of what follows a dragged feature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DragChoice {
+    /// Alternative that lands and changes the picture least. It never adds a light.
+    Best,
+    Only(Alternative),
+}
+
+/// Part of a light that follows a dragged feature, while the rest stays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Alternative {
+    /// Control points, with their radii.
+    ControlPoints,
+    /// Control points whose radii shrink where the tube would fold, by a fifth at most.
+    Narrower,
+    /// Placement of the light.
+    WholeLight,
+    /// Control points that change the light past the caster of a dragged shadow alone, so the caster looks as before.
+    PastCaster,
+    /// The light without one node, which a copy of the light as it was illuminates: for a shadow its caster, so the caster
+    /// looks as before. For another feature the receiver follows alone, and the copy illuminates all else.
+    LinkedCopy,
+}
+
+impl Alternative {
+    /// All alternatives. An earlier one is better where two change the picture nearly alike.
+    pub const ALL: [Self; 5] =
+        [Self::ControlPoints, Self::Narrower, Self::WholeLight, Self::PastCaster, Self::LinkedCopy];
 }
 
 /// Property at a point that a drag of the light preserves. It must be true when the drag begins.
@@ -123,7 +156,17 @@ pub enum RadiusMode {
 pub struct DragResult {
     /// A light that can be evaluated. It is the light of the start if the drag was refused.
     pub light: Light,
+    /// Light to add, of [`Alternative::LinkedCopy`].
+    pub copy: Option<LightCopy>,
     pub outcome: DragOutcome,
+}
+
+/// Copy of a light as it was, which illuminates what the dragged light no longer does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightCopy {
+    pub light: Light,
+    /// Numbers of the pins that hold on what the copy illuminates.
+    pub pins: Vec<u64>,
 }
 
 /// Outcome of a drag, besides the light.
@@ -134,6 +177,11 @@ pub struct DragOutcome {
     /// Version of the solver. Another version may give another light.
     pub version: u32,
     pub status: DragStatus,
+    /// Alternative that the light follows, if the drag had a choice.
+    pub alternative: Option<Alternative>,
+    /// Share of the picture's pixels whose light changes by more than a fiftieth of a bright pixel's, from 256 pixels;
+    /// `None` if the drag was refused.
+    pub changed_share: Option<f64>,
     /// Distance on the screen from the cursor to the feature, in pixels; infinite if the feature is not in the picture.
     pub residual_px: f64,
     /// Name of the node that shadows M' in place of the dragged caster point, if another caster is on the light path.
@@ -195,6 +243,8 @@ pub enum DragRefusal {
     NoSuchPoint,
     /// Moving the chosen control points does not change the light at the start of the drag.
     NoWeight,
+    /// The caster lies too near to the shadow for the light to bend between them, or there is no control point past it.
+    TooLittleRoom,
     /// The limit lets the feature go less than a third of the way.
     Limited(DragLimit),
     /// The hard pin with this number does not hold at the start: its point is outside the light, or is not lit, not in

@@ -1,6 +1,7 @@
 // The document and what changes and commands do to it. Functions change nothing: they give a new document.
 
 import type { LightId } from "./ids";
+import { passesPins, withPins } from "./ignored_pins";
 import type { ParameterTable } from "./protocol";
 import { touchPicture, withValues } from "./parameters";
 import type { Change, Command, Document, DocumentCamera, DocumentLight, Light } from "./protocol";
@@ -51,7 +52,9 @@ export function applyChange(table: ParameterTable, document: Document, change: C
 export function predict(table: ParameterTable, document: Document, command: Command): Document {
   switch (command.type) {
     case "placeLight": {
-      const { type: _, light: id, ...placement } = command;
+      // A hard pin may hold it: the server says how far it goes.
+      if (!passesPins(command) && isHeldByPin(document, command.light)) return document;
+      const { type: _, light: id, ...placement } = withPins(command);
       return onLight(document, id, (light) => withValues(table, light.type, light, placement));
     }
     case "setLight":
@@ -68,6 +71,10 @@ export function predict(table: ParameterTable, document: Document, command: Comm
       return document;
   }
 }
+
+/** True if a hard pin holds the light. */
+const isHeldByPin = ({ pins = [] }: Document, light: LightId): boolean =>
+  pins.some(({ pin }) => pin.hard && pin.light === light);
 
 /** True if the control point that `command` drags has not reached its target, because the tube would fold. */
 export function isAtLimit(document: Document, command: Command | null): boolean {

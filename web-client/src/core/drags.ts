@@ -5,7 +5,7 @@ import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { Host } from "./connection";
 import type { LightId } from "./ids";
 import type { LatencyMeter } from "./latency";
-import type { Change, ClientMessage, Command, DragOutcome, GestureState } from "./protocol";
+import type { Change, ClientMessage, Command, DragOutcome, GestureState, Record } from "./protocol";
 
 /** Own drag as the page shows it before the server has answered. */
 export interface OwnDrag {
@@ -24,7 +24,8 @@ export interface OwnDrag {
 /** One drag. After commit, cancel or the end of its lock nothing has an effect any more. */
 export interface Drag {
   update(command: Command): void;
-  commit(): void;
+  /** Makes a record of it; `done` is told that. */
+  commit(done?: (record: Record) => void): void;
   cancel(): void;
 }
 
@@ -47,9 +48,14 @@ export interface DragParts {
   lightName(light: LightId): string;
   /**
    * Asks for the record; `edit` says the same on a later connection, where the gesture is gone. `changes` are what the
-   * server made of the drag so far.
+   * server made of the drag so far, `done` is told the record.
    */
-  commit(edit: ClientMessage & { type: "edit" }, commit: ClientMessage, changes: readonly Change[]): void;
+  commit(
+    edit: ClientMessage & { type: "edit" },
+    commit: ClientMessage,
+    changes: readonly Change[],
+    done?: (record: Record) => void,
+  ): void;
 }
 
 /** An update that the server has not answered. */
@@ -115,7 +121,7 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
         const before = own.value ?? { taken: null, changes: [], outcome: null, refusal: null };
         own.value = { ...before, light, command };
       },
-      commit() {
+      commit(done) {
         if (!isCurrent()) return;
         flush();
         const latest = own.value;
@@ -123,7 +129,7 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
         if (latest === null) return;
         const opId = host.newId();
         const edit = { type: "edit", opId, baseSeq: current.baseSeq, command: latest.command } as const;
-        commit(edit, { type: "gestureCommit", gesture: current.id, opId }, latest.changes);
+        commit(edit, { type: "gestureCommit", gesture: current.id, opId }, latest.changes, done);
       },
       cancel: () => isCurrent() && cancel(),
     };

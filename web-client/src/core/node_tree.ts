@@ -26,6 +26,9 @@ const WRITTEN: { [code: string]: string } = { "~0": "~", "~1": "/", "~2": "#" };
 export const namesOf = (path: string): string[] =>
   path.split("/").map((name) => name.replace(/~[012]/g, (code) => WRITTEN[code] ?? code));
 
+/** The last name of a path, as people read it. */
+export const nodeName = (path: string): string => namesOf(path).at(-1) ?? path;
+
 /** The roots of the tree, in the order of the paths; nodes that no path names, but that paths lead through, are in it too. */
 export function treeOf(paths: readonly string[]): TreeNode[] {
   const roots: TreeNode[] = [];
@@ -33,7 +36,7 @@ export function treeOf(paths: readonly string[]): TreeNode[] {
   const nodeAt = (path: string): TreeNode => {
     const there = known.get(path);
     if (there !== undefined) return there;
-    const node = { path, name: namesOf(path).at(-1) ?? path, children: [] };
+    const node = { path, name: nodeName(path), children: [] };
     known.set(path, node);
     const above = path.lastIndexOf("/");
     (above < 0 ? roots : nodeAt(path.slice(0, above)).children).push(node);

@@ -5,8 +5,8 @@ import type { Host } from "./connection";
 import type { ClientMessage, ProbeAnswer, Probed } from "./protocol";
 
 /** Purpose of a probe: the panel at the pointer, a drag that snaps, a light that is aimed, an object that is linked, a tool's feature under the
- * pointer and the grabbed one, a view that turns. */
-export type Asker = "panel" | "snap" | "aim" | "link" | "hover" | "tool" | "orbit";
+ * pointer and the grabbed one, a view that turns, pins that are checked, an object that is looked for. */
+export type Asker = "panel" | "snap" | "aim" | "link" | "hover" | "tool" | "orbit" | "pin" | "find";
 
 /** A pixel of a picture of one's view, which is `size` pixels large. */
 export interface PixelQuestion {

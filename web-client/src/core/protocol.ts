@@ -134,6 +134,10 @@ export type PointParameter = PointPosition | PointRadius | PointColor | PointInt
  */
 export type DragRadii = "keep" | "solve" | "follow";
 /**
+ * `drag::DragChoice` in JSON: the alternative to solve.
+ */
+export type DragChoice = ("controlPoints" | "narrower" | "wholeLight" | "pastCaster" | "linkedCopy") | "best";
+/**
  * `Feature` in JSON.
  *
  * - `shadow`: Moves the shadow at M: M' gets the light coordinates (v, w) of the caster that shadows M, and lies behind it.
@@ -312,6 +316,16 @@ export type ErrorCode =
  */
 export type GestureEnd = "committed" | "cancelled" | "expired" | "rejected";
 /**
+ * `drag::Alternative` in JSON: the part of a light that follows a dragged feature.
+ *
+ * - `controlPoints`: Control points, with their radii.
+ * - `narrower`: Control points whose radii shrink where the tube would fold, by a fifth at most.
+ * - `wholeLight`: Placement of the light.
+ * - `pastCaster`: Control points that change the light past the caster of a dragged shadow alone.
+ * - `linkedCopy`: The light without the caster of a dragged shadow, which a copy of the light as it was illuminates. Another feature moves on its surface alone, and the copy illuminates all else.
+ */
+export type DragAlternative = "controlPoints" | "narrower" | "wholeLight" | "pastCaster" | "linkedCopy";
+/**
  * `drag::DragLimit` in JSON.
  *
  * - `fold`: The tube would fold.
@@ -334,6 +348,7 @@ export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceIn
  * - `noSuchPoint`: The light has no such control point, or the point is its source.
  * - `noWeight`: The chosen control points have no influence on the light at M.
  * - `pinDoesNotHold`: A hard pin is not fulfilled when the drag begins. `pin` names it.
+ * - `tooLittleRoom`: The caster lies too near to the shadow for the light to bend between them.
  * - `limited`: The feature can go less than a third of the way. `limit` says why.
  */
 export type DragReason =
@@ -345,6 +360,7 @@ export type DragReason =
   | "noSuchPoint"
   | "noWeight"
   | "pinDoesNotHold"
+  | "tooLittleRoom"
   | "limited";
 /**
  * `drag::DragStatus` in JSON.
@@ -1934,6 +1950,11 @@ export interface DragPoint {
  * drag keeps the document's pins of the light.
  */
 export interface DragFeature {
+  alternative?: DragChoice;
+  /**
+   * True for all alternatives in the answer, in a drag file. A command has one.
+   */
+  alternatives?: boolean;
   camera: Camera;
   /**
    * Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is at .5.
@@ -1953,7 +1974,8 @@ export interface DragFeature {
    */
   pins?: DragPin[];
   /**
-   * Indices of the control points that may move. Default: the light moves as a whole.
+   * Indices of the control points that may move. Default: the light moves as a whole; with `alternative`, all points
+   * past the source.
    */
   points?: number[];
   radii: DragRadii;
@@ -2610,6 +2632,11 @@ export interface PinChange {
  * Outcome of a drag of a feature, besides the light.
  */
 export interface DragOutcome {
+  alternative?: DragAlternative;
+  /**
+   * Share of the picture's pixels that change visibly, 0 to 1, measured at 256 of them. A `refused` drag has none.
+   */
+  changedShare?: number;
   /**
    * World position of M.
    *

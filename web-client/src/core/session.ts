@@ -126,7 +126,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     latency,
     baseSeq: () => mirror.value.seq,
     lightName: (light) => lightName(mirror.value.document, light),
-    commit: (edit, commit, changes) => asked.start(edit, commit, undefined, changes),
+    commit: (edit, commit, changes, done) => asked.start(edit, commit, done, changes),
   });
   const probes = probing({ host, send });
   const viewer = viewing({ host, send, bounds: () => bounds.value, latency });

@@ -4,6 +4,7 @@ import type { Pixel } from "../core/camera";
 import type { Drawn, Movable } from "../core/handles";
 import type { Command } from "../core/protocol";
 import { laidOn, snapping } from "../core/snapping";
+import { withHand } from "./hand";
 import type { Page } from "./page";
 import { inPicture, questionOn } from "./picture_press";
 import { followPointer } from "./pointer";
@@ -23,9 +24,11 @@ const FINE = 0.1;
 export function dragHandle(down: PointerEvent, page: Page, { drawn, grab, movable }: Grabbed): void {
   const stage = (down.currentTarget as Element).closest(".stage");
   if (stage === null) return;
-  const command = grab(inPicture(stage, down));
+  let at = inPicture(stage, down);
+  const command = grab(at);
   const { session } = page;
-  const drag = session.drag(drawn.id);
+  const byFinger = down.pointerType === "touch";
+  const drag = withHand(page, drawn, session.drag(drawn.id), () => at, byFinger);
   /** Distance of the dragged thing behind the pointer, from moves with Shift. */
   const behind: Pixel = { x: 0, y: 0 };
   const snap = snapping(
@@ -41,6 +44,7 @@ export function dragHandle(down: PointerEvent, page: Page, { drawn, grab, movabl
   followPointer(down, {
     move(_, by, event) {
       const pixel = inPicture(stage, event);
+      at = pixel;
       // The key turns the page's choice around.
       if (movable !== null && page.snaps.value !== (event.ctrlKey || event.metaKey)) {
         snap.to(pixel);
@@ -53,7 +57,7 @@ export function dragHandle(down: PointerEvent, page: Page, { drawn, grab, movabl
       }
       drag.update(command({ x: pixel.x - behind.x, y: pixel.y - behind.y }));
     },
-    end: () => snap.afterLast(drag.commit),
+    end: () => snap.afterLast(() => drag.commit()),
     cancel() {
       snap.stop();
       drag.cancel();

@@ -1,8 +1,13 @@
 // Handles by keys. Arrows move what has the focus, page keys move it away from the eye and back.
 
+import { type Pixel, project } from "../core/camera";
 import { isRemovable } from "../core/curve";
-import type { Drawn, Handle } from "../core/handles";
+import { lightOf } from "../core/document";
+import { type Drawn, type Handle, positionOf } from "../core/handles";
 import { NO_STEPS, nudge, type Steps } from "../core/nudge";
+import { tubeOf } from "../core/outline";
+import { coneReach } from "./fitting";
+import { withHand } from "./hand";
 import { type Page, reachFor } from "./page";
 import { removeLight } from "./removing";
 import { stepsOf } from "./presses";
@@ -42,10 +47,17 @@ function press(event: KeyboardEvent, page: Page, handle: Handle, drawn: Drawn, w
     away: away + count * way.away,
   });
   page.presses.press(event.currentTarget, NO_STEPS, further, () => {
-    const drag = page.session.drag(drawn.id);
+    const drag = withHand(page, drawn, page.session.drag(drawn.id), () => placeNow(page, handle, drawn));
     const command = nudge(handle, drawn);
     return { ...drag, update: (steps) => drag.update(command(steps)) };
   });
+}
+
+/** Pixel at which the handle is by now. */
+function placeNow(page: Page, handle: Handle, drawn: Drawn): Pixel | null {
+  const light = lightOf(page.session.document.value, drawn.id) ?? drawn.light;
+  const now: Drawn = { ...drawn, light, tube: tubeOf(light, coneReach(page)) };
+  return project(drawn.view, positionOf(handle, now));
 }
 
 /** Removes the control point, or at its source the light; both can be undone. */

@@ -1,5 +1,6 @@
 // The browser as the core's surroundings.
 
+import type { AlternativeAnswer, AlternativesReply, AlternativesRequest } from "../core/alternatives";
 import type { Host } from "../core/connection";
 import type { Camera, ParameterTable, SceneNodes } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
@@ -95,6 +96,30 @@ export async function fetchNodes(token: string, session: string): Promise<SceneN
   }
 }
 
+/** All alternatives of a drag from the document as it is; nothing is edited. */
+export async function fetchAlternatives(
+  token: string,
+  session: string,
+  request: AlternativesRequest,
+): Promise<AlternativesReply> {
+  const headers = { authorization: `Bearer ${token}`, "content-type": "application/json" };
+  const body = JSON.stringify([request]);
+  try {
+    const answer = await fetch(`/sessions/${encodeURIComponent(session)}/drags`, {
+      method: "POST",
+      headers,
+      body,
+    });
+    if (!answer.ok) return { why: ((await answer.json()) as { error: { message: string } }).error.message };
+    const [result] = (await answer.json()) as [{ alternatives?: AlternativeAnswer[] }?];
+    return result?.alternatives === undefined
+      ? { why: NO_ALTERNATIVES }
+      : { alternatives: result.alternatives };
+  } catch {
+    return { why: NO_ANSWER_TO_DRAG };
+  }
+}
+
 /** Sends a scene's file to the server, which keeps it under `name`, or where that is empty under the file's own. */
 export function sendScene(token: string, file: Blob, name: string, events: SendingEvents): () => void {
   // `fetch` does not tell how much has gone.
@@ -124,6 +149,8 @@ function answerOf(text: string): { asset?: string; error?: { message: string } }
 
 const BROKEN =
   "The connection broke while it was sent, or a file was changed meanwhile. The server has kept nothing of it: try again.";
+const NO_ALTERNATIVES = "The server knows no other answers: it is an older one";
+const NO_ANSWER_TO_DRAG = "The server does not answer: try again";
 const NO_ANSWER =
   "The server does not answer, so the page cannot know what can be set on lights. Try again once it does.";
 const OLD_SERVER =

@@ -2,6 +2,7 @@
 // State of the browser: its user has seen the hints.
 
 import type { Orbit } from "../core/navigation";
+import { FOLLOW_MODES, type FollowMode } from "../core/following";
 import type { ViewSettings } from "../core/protocol";
 import { TOOLS, type Tool } from "../core/tools";
 import { type Page, selectLight } from "./page";
@@ -12,7 +13,7 @@ interface Kept {
   light: number | null;
   point: number | null;
   tool: Tool;
-  bends: boolean;
+  mode: FollowMode;
   showHandles: boolean;
   showGate: boolean;
   snaps: boolean;
@@ -35,7 +36,7 @@ export function restorePage(page: Page): void {
   selectLight(page, kept.light);
   page.selectedPoint.value = kept.point;
   page.toolbox.tool.value = kept.tool;
-  page.toolbox.following.value = { ...page.toolbox.following.value, bends: kept.bends };
+  page.toolbox.following.value = { ...page.toolbox.following.value, mode: kept.mode };
   for (const shown of ["showHandles", "showGate", "snaps"] as const) page[shown].value = kept[shown];
 }
 
@@ -49,7 +50,7 @@ export function keepPage({ session, selectedLight, selectedPoint, toolbox, ...pa
     light: selectedLight.value,
     point: selectedPoint.value,
     tool: toolbox.tool.value,
-    bends: toolbox.following.value.bends,
+    mode: toolbox.following.value.mode,
     showHandles: page.showHandles.value,
     showGate: page.showGate.value,
     snaps: page.snaps.value,
@@ -64,6 +65,7 @@ function read(session: string): Kept | null {
     return kept !== null &&
       isView(kept.view) &&
       TOOLS.includes(kept.tool) &&
+      FOLLOW_MODES.includes(kept.mode) &&
       Array.isArray(kept.settings.solo)
       ? kept
       : null;

@@ -50,6 +50,7 @@ export const SESSION_KEYS: Keys = [
       ["Drag an arrow", "Move it along one axis, or along your line of sight"],
       ["Ctrl while dragging", "Reverse Snap: lay it on the surface under the pointer, or not"],
       ["Shift while dragging", "Move it a tenth as far"],
+      ["Hold P while dragging, or with arrows", "Pass over pins"],
       ["Shift with keys", "Ten steps at once"],
       ["Escape", "Take back what is under way"],
       ["Delete", "Remove the point, at the source the light"],
@@ -60,7 +61,8 @@ export const SESSION_KEYS: Keys = [
     [
       ["1 to 6", "Select, shadow, hotspot, highlight, diffuse, pin"],
       ["Drag, or Enter, arrows, Enter", "Take a feature and put it elsewhere"],
-      ["B", "Lights that follow bend, or move as a whole"],
+      ["Tab, Shift+Tab while dragging", "Go through the other answers"],
+      ["B", "Next way to follow: best, whole light, control points"],
       ["Escape", "Take back what is under way, then the tool"],
       ["Delete", "Remove the pin that has the focus"],
     ],

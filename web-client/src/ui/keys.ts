@@ -1,5 +1,6 @@
 // Keys of the whole page. Fields keep theirs, but for undo where nothing was typed.
 
+import { nextMode } from "../core/following";
 import { TOOLS } from "../core/tools";
 import { canAim, toggleAiming, toggleLookThrough } from "./directing";
 import { fitLight, fitScene } from "./fitting";
@@ -13,6 +14,8 @@ const TYPED = ".text, [data-typed=true]";
 
 /** While it is held, pixels are asked about. */
 const PROBE_KEY = "i";
+/** While it is held, edits pass over pins. */
+const PASSING_KEY = "p";
 
 /** Listens for as long as the page lives. */
 export function bindKeys(page: Page): void {
@@ -24,16 +27,17 @@ export function bindKeys(page: Page): void {
     event.preventDefault();
     task();
   });
-  const letGo = () => {
-    page.probe.held.value = false;
+  const letGo = (key: string) => {
+    if (key === PROBE_KEY) page.probe.held.value = false;
+    if (key === PASSING_KEY) page.passing.held.value = false;
   };
-  addEventListener("keyup", ({ key }) => key.toLowerCase() === PROBE_KEY && letGo());
+  addEventListener("keyup", ({ key }) => letGo(key.toLowerCase()));
   // A key that is let go of elsewhere says nothing here.
-  addEventListener("blur", letGo);
+  addEventListener("blur", () => [PROBE_KEY, PASSING_KEY].forEach(letGo));
 }
 
 function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
-  const { showGate, showHandles, showKeys, probe } = page;
+  const { showGate, showHandles, showKeys, probe, passing } = page;
   const key = event.key.toLowerCase();
   if (event.ctrlKey || event.metaKey) {
     if (!canEdit(page)) return null;
@@ -55,10 +59,12 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
     case "b":
       return () => {
         const { following } = page.toolbox;
-        following.value = { ...following.value, bends: !following.value.bends };
+        following.value = { ...following.value, mode: nextMode(following.value.mode) };
       };
     case PROBE_KEY:
       return () => (probe.held.value = true);
+    case PASSING_KEY:
+      return () => (passing.held.value = true);
     case "?":
       return () => (showKeys.value = !showKeys.value);
     default: {
@@ -70,7 +76,8 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
 
 /** Out of what a press on the picture would do. */
 function leaving(page: Page): (() => void) | null {
-  const { aiming, linking, toolbox } = page;
+  const { aiming, linking, toolbox, answers } = page;
+  if (answers.shown.value?.isOver === true) return answers.close;
   if (aiming.value !== "off") return () => (aiming.value = "off");
   if (linking.value !== null) return () => (linking.value = null);
   if (toolbox.tool.value === "select" || toolbox.dragged.value !== null) return null;

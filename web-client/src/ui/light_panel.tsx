@@ -59,7 +59,7 @@ export function LightPanel() {
           </FoldingSection>
           {/* The controls that bend it are used most, and stay visible. */}
           {k === 0 && light.type === "bendy" && <PointPanel id={id} light={light} disabled={disabled} />}
-          {k === 0 && <PinPanel id={id} disabled={disabled} />}
+          {k === 0 && <PinPanel id={id} />}
         </Fragment>
       ))}
     </div>

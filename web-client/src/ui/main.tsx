@@ -10,12 +10,13 @@ import { App, Refusal, SignIn } from "./app";
 import { FrontProvider, startFront } from "./front/front";
 import { FrontPage } from "./front/front_page";
 import { Refused, serverOf } from "./front/server";
-import { browserHost, fetchNodes, fetchTable, pickPoint, sendScene } from "./host";
+import { browserHost, fetchAlternatives, fetchNodes, fetchTable, pickPoint, sendScene } from "./host";
 import { areHintsSeen, keepPage, restorePage } from "./kept";
 import { bindKeys } from "./keys";
 import { OpeningProvider, type SendScene, startOpening } from "./opening";
 import { PageProvider, startPage, startToasts } from "./page";
 import { keepActor, readActor } from "./person";
+import { watchPins } from "./pin_watch";
 import { loadScene, sceneHindrance } from "./scene_loading";
 import { canvasScreen } from "./screen";
 import "./style/page.css";
@@ -24,6 +25,7 @@ import "./style/panels.css";
 import "./style/viewport.css";
 import "./style/directing.css";
 import "./style/tools.css";
+import "./style/answers.css";
 import "./style/layout.css";
 import "./style/front.css";
 import "./style/forced.css";
@@ -108,6 +110,7 @@ function start(table: ParameterTable, name: string, asListed: Listed): void {
     pick: (camera: Camera) => pickPoint(token, name, camera),
     toasts,
     fetchNodes: () => fetchNodes(token, name),
+    fetchAlternatives: (request) => fetchAlternatives(token, name, request),
   });
   const opening = startOpening({
     send,
@@ -127,6 +130,7 @@ function start(table: ParameterTable, name: string, asListed: Listed): void {
   restorePage(page);
   if (!areHintsSeen()) page.hint.value = 0;
   bindKeys(page);
+  watchPins(page, host);
   // A page that goes takes its drags with it, but for what was done.
   addEventListener("pagehide", page.presses.commit);
   addEventListener("pagehide", () => keepPage(page));

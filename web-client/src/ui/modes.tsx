@@ -7,6 +7,7 @@ import { seeTheSame } from "../core/camera";
 import { lightName } from "../core/document";
 import { lookBack } from "./directing";
 import type { Aiming as AimingState } from "./page_state";
+import { isLabelled } from "./hand_labels";
 import { isLinking, linkingText } from "./linking";
 import { holderOf, usePage } from "./page";
 import { nameOf } from "./person";
@@ -77,8 +78,10 @@ function Linking() {
 
 /** Why the last press of a tool came to nothing. */
 function ToolSays() {
-  const { said } = usePage().toolbox;
-  return said.value === null ? null : <Mode>{said.value}</Mode>;
+  const page = usePage();
+  const { said } = page.toolbox;
+  // The label at the pointer says it too.
+  return said.value === null || isLabelled(page) ? null : <Mode>{said.value}</Mode>;
 }
 
 /** Name of the client that drags the light. */

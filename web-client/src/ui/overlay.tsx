@@ -29,7 +29,14 @@ export function Overlay({ view, at, size }: OverlayProps) {
   // The selected light is on top.
   const ordered = [...lights.filter((entry) => !isSelected(entry)), ...lights.filter(isSelected)];
   return (
-    <svg class="overlay" width={size.width} height={size.height} role="group" aria-label="Lights">
+    <svg
+      class="overlay"
+      width={size.width}
+      height={size.height}
+      role="group"
+      aria-label="Lights"
+      data-dragging={session.ownDrag.value !== null}
+    >
       <g transform={`translate(${at.x} ${at.y})`}>
         {ordered.map((entry) => (
           <LightOverlay key={entry.id} entry={entry} view={view} selected={isSelected(entry)} />

@@ -5,8 +5,11 @@ import { createContext } from "preact";
 import { useContext } from "preact/hooks";
 
 import type { Pixel } from "../core/camera";
+import { type AlternativesReply, type AlternativesRequest, requestOf } from "../core/alternatives";
 import type { Host } from "../core/connection";
 import type { ClientId, LightId } from "../core/ids";
+import { otherAnswers, type OtherAnswers } from "../core/other_answers";
+import { withPassing } from "../core/passing_pins";
 import type { Camera, SceneNodes, Scope } from "../core/protocol";
 import type { Listed, Session } from "../core/session";
 import type { Vec3 } from "../core/vector";
@@ -38,6 +41,10 @@ export interface Page {
   /** True if dragged things are laid on the surface under the pointer. */
   snaps: Signal<boolean>;
   toolbox: Toolbox;
+  /** Other answers to the drag of a feature. */
+  answers: OtherAnswers;
+  /** Passing over pins: active while its key is held, and until its button is pressed again. */
+  passing: { held: Signal<boolean>; on: Signal<boolean> };
   aiming: Signal<Aiming>;
   /** Link that clicks in the picture edit, while they do. */
   linking: Signal<Linking | null>;
@@ -55,6 +62,8 @@ export interface Page {
     on: Signal<boolean>;
     /** The pointer in the picture as it is shown; `null` where it is elsewhere. */
     at: Signal<Pixel | null>;
+    /** True if the pointer is a finger. */
+    byFinger: Signal<boolean>;
   };
   /** A light that goes with its pins once it is agreed to. */
   removal: Signal<Removal | null>;
@@ -74,6 +83,8 @@ export interface Page {
 const TOAST_MS = 6000;
 /** More than these would hide the picture. */
 const MOST_TOASTS = 4;
+
+const LIGHT_IS_GONE = "The light is no longer there";
 
 export interface Toasts {
   list: Signal<readonly Toast[]>;
@@ -104,14 +115,18 @@ export interface PageParts {
   toasts: Toasts;
   /** Asks for the nodes of the session's scene; `null` where there is no answer. */
   fetchNodes(): Promise<SceneNodes | null>;
+  /** Asks for all alternatives of a drag. */
+  fetchAlternatives(request: AlternativesRequest): Promise<AlternativesReply>;
 }
 
 export function startPage(parts: PageParts): Page {
-  const { host, session, screen, name, listed, pick, toasts, fetchNodes } = parts;
+  const { host, session, screen, name, listed, pick, toasts, fetchNodes, fetchAlternatives } = parts;
   const presses = startPresses(host, session);
   const selectedLight = signal<LightId | null>(null);
+  const passing = { held: signal(false), on: signal(false) };
+  const passes = computed(() => passing.held.value || passing.on.value);
   const page: Page = {
-    session: committing(session, presses),
+    session: withPassing(committing(session, presses), passes),
     presses,
     screen,
     name,
@@ -122,6 +137,15 @@ export function startPage(parts: PageParts): Page {
     radiiFollow: signal(false),
     snaps: signal(false),
     toolbox: startTools(),
+    answers: otherAnswers({
+      after: host.after,
+      ask(command) {
+        // Others may have removed the light.
+        const request = requestOf(command, session.mirror.value.document);
+        return request === null ? Promise.resolve({ why: LIGHT_IS_GONE }) : fetchAlternatives(request);
+      },
+    }),
+    passing,
     aiming: signal<Aiming>("off"),
     linking: signal<Linking | null>(null),
     excursion: signal<Excursion | null>(null),
@@ -129,7 +153,12 @@ export function startPage(parts: PageParts): Page {
     showHandles: signal(true),
     showGate: signal(true),
     showKeys: signal(false),
-    probe: { held: signal(false), on: signal(false), at: signal<Pixel | null>(null) },
+    probe: {
+      held: signal(false),
+      on: signal(false),
+      at: signal<Pixel | null>(null),
+      byFinger: signal(false),
+    },
     removal: signal<Removal | null>(null),
     reachedFor: signal<LightId | null>(null),
     toasts: toasts.list,

@@ -84,6 +84,7 @@ function navigate(down: PointerEvent, page: Page, size: Size, click: (() => void
 export function hovering({ probe }: Page) {
   const follow = (event: PointerEvent) => {
     probe.at.value = inPicture(event.currentTarget as Element, event);
+    probe.byFinger.value = event.pointerType === "touch";
   };
   return {
     onPointerDown: follow,

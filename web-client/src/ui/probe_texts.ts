@@ -1,5 +1,6 @@
 // Texts of a probed pixel, light by light.
 
+import { nodeName } from "../core/node_tree";
 import type { Light, ProbedLight, ProbeDisabledBy } from "../core/protocol";
 import { formatNumber } from "./format";
 
@@ -49,6 +50,3 @@ export function shareText({ share }: ProbedLight): string {
   if (share < 0.01) return "< 1 %";
   return share > 0.99 && share < 1 ? "> 99 %" : `${Math.round(share * 100)} %`;
 }
-
-/** The last part of a node's path. */
-export const nodeName = (path: string): string => path.slice(path.lastIndexOf("/") + 1);

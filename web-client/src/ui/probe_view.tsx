@@ -3,12 +3,13 @@
 import { type Pixel, project, type Size, type View } from "../core/camera";
 import { clipMiddle, LONGEST_TAG } from "../core/clipping";
 import { lightLabel } from "../core/document";
+import { nodeName } from "../core/node_tree";
 import { drawnWay, mattering, splitAt } from "../core/probed";
 import type { Probed, ProbedLight } from "../core/protocol";
 import { Line } from "./lines";
 import { Name } from "./name";
 import { type Page, usePage } from "./page";
-import { nodeName, placeText, shareText, stateText } from "./probe_texts";
+import { placeText, shareText, stateText } from "./probe_texts";
 import { useProbed } from "./use_probed";
 
 interface ProbeViewProps {

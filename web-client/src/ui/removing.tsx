@@ -4,7 +4,7 @@ import { useLayoutEffect, useRef } from "preact/hooks";
 
 import { lightName, lightOf } from "../core/document";
 import type { LightId } from "../core/ids";
-import { pinsOf } from "../core/tools";
+import { pinsOf } from "../core/pins";
 import { type Page, usePage } from "./page";
 import type { Removal } from "./page_state";
 

@@ -1,113 +1,25 @@
 // Tools at work: a shadow or a highlight is taken in the picture and follows the pointer, or keys; places are pinned.
 
 import type { Pixel } from "../core/camera";
-import { lightOf } from "../core/document";
-import type { Drag } from "../core/drags";
+import { pinAt } from "../core/pins";
 import type { PixelQuestion } from "../core/probing";
-import type { DragKind, ProbedLight } from "../core/protocol";
-import {
-  dragsFeatures,
-  featureDrag,
-  nothingTaken,
-  pinAt,
-  type Seen,
-  takenLight,
-  type Tool,
-} from "../core/tools";
+import { dragsFeatures, type Tool } from "../core/tools";
+import { type TakenFeature, takeFeature } from "./feature_drag";
 import { isFree } from "./light_actions";
-import { type Page, reachFor, selectLight } from "./page";
+import type { Page } from "./page";
+import { rememberPlace } from "./pin_facts";
 import { clickOf, inPicture, questionOn } from "./picture_press";
 import { followPointer } from "./pointer";
 
 /** Takes up a tool; what the last one said is gone. */
-export function takeTool({ toolbox }: Page, tool: Tool): void {
+export function takeTool({ toolbox, answers }: Page, tool: Tool): void {
+  if (answers.shown.value?.isOver === true) answers.close();
   toolbox.tool.value = tool;
   toolbox.said.value = null;
 }
 
-/** Features and pins are for who sees through a camera of which the server knows. */
-function seenBy({ session }: Page, size: PixelQuestion["size"]): Seen | null {
-  const camera = session.viewer.cameraOf(session.frame.value);
-  return camera === null ? null : { camera, size };
-}
-
 /** With Shift what is dragged goes this much of the pointer's way. */
 const FINE = 0.1;
-
-/** A feature on its way: taken once the server has said which light makes it. */
-interface TakenFeature {
-  /** By so many pixels of the picture. */
-  moveBy(way: Pixel): void;
-  end(): void;
-  cancel(): void;
-}
-
-/** Takes the feature at `question`, where a light makes one. */
-function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): TakenFeature {
-  const { session, toolbox } = page;
-  const way: Pixel = { x: 0, y: 0 };
-  let drag: Drag | null = null;
-  let isLetGo = false;
-  let isCancelled = false;
-
-  function update(): void {
-    const { value: dragged } = toolbox.dragged;
-    if (drag === null || dragged === null) return;
-    const { id, light, from, seen } = dragged;
-    const to = { x: from.x + way.x, y: from.y + way.y };
-    toolbox.dragged.value = { ...dragged, to };
-    // A press that goes nowhere moves nothing.
-    if (way.x === 0 && way.y === 0 && session.ownDrag.value === null) return;
-    drag.update(featureDrag(kind, [id, light], toolbox.following.value, seen, [from, to]));
-  }
-
-  function begin({ light: id, highlight }: ProbedLight): void {
-    const light = lightOf(session.document.value, id);
-    const seen = seenBy(page, question.size);
-    if (light === undefined || seen === null) return;
-    if (!reachFor(page, id)) return;
-    selectLight(page, id);
-    // A highlight goes on from its centre, so that it does not jump under the pointer.
-    const from =
-      highlight === undefined || highlight === null ? question.pixel : { x: highlight[0], y: highlight[1] };
-    toolbox.dragged.value = { kind, id, light, from, to: from, seen };
-    drag = session.drag(id);
-    update();
-    if (isLetGo) end();
-  }
-
-  function end(): void {
-    isLetGo = true;
-    if (drag === null) return;
-    toolbox.dragged.value = null;
-    drag.commit();
-  }
-
-  function cancel(): void {
-    isCancelled = true;
-    if (drag === null) return;
-    toolbox.dragged.value = null;
-    drag.cancel();
-  }
-
-  toolbox.said.value = null;
-  session.probe("tool", { ...question, highlights: kind === "highlight" }, (found) => {
-    // A second finger cancels the query of the first one, which then has no effect.
-    if (found === null || isCancelled) return;
-    const taken = takenLight(kind, found, page.selectedLight.value);
-    if (taken !== null) begin(taken);
-    else toolbox.said.value = nothingTaken(kind, found);
-  });
-  return {
-    moveBy(by) {
-      way.x += by.x;
-      way.y += by.y;
-      update();
-    },
-    end,
-    cancel,
-  };
-}
 
 /** Gives a press on the picture to the active tool. Returns true if the tool takes it. */
 export function pressTool(down: PointerEvent, page: Page): boolean {
@@ -123,7 +35,7 @@ export function pressTool(down: PointerEvent, page: Page): boolean {
     followPointer(down, { move: () => {}, end: () => addPin(page, question) });
     return true;
   }
-  const feature = takeFeature(page, kind, question);
+  const feature = takeFeature(page, kind, question, down.pointerType === "touch");
   const shown = stage.querySelector("canvas")?.getBoundingClientRect();
   const scale = shown === undefined ? 1 : question.size.width / shown.width;
   followPointer(down, {
@@ -149,7 +61,9 @@ export function addPin(page: Page, question: PixelQuestion): void {
       return;
     }
     toolbox.said.value = null;
-    if (isFree(page, light)) session.edit({ type: "addPin", pin });
+    const at = found.seen?.position;
+    if (isFree(page, light))
+      session.edit({ type: "addPin", pin }, (record) => rememberPlace(page, record, at));
   });
 }
 
@@ -162,8 +76,20 @@ const WAYS: { [key: string]: Pixel } = {
 };
 const LARGE_STEPS = 10;
 
-/** Keys in the place of a pointer: Enter takes what is there and lets it go, arrows move it, Escape takes it back. What it gives says
- * whether a key was for the tool. */
+/** Goes through the other answers of a drag, or after it to their strip. Returns false where there are none. */
+function toAnswers({ toolbox, answers }: Page, back: boolean): boolean {
+  if (toolbox.dragged.value !== null) {
+    answers.step(back ? -1 : 1);
+    return true;
+  }
+  const taken = document.querySelector<HTMLElement>('.answers[data-over="true"] [aria-pressed="true"]');
+  if (taken === null || back) return false;
+  taken.focus();
+  return true;
+}
+
+/** Keys in the place of a pointer: Enter takes what is there and lets it go, arrows move it, Escape takes it back. During any
+ * drag of a feature Tab goes through the other answers. What it gives says whether a key was for the tool. */
 export function toolKeys(page: Page, here: () => PixelQuestion | null): (event: KeyboardEvent) => boolean {
   let feature: TakenFeature | null = null;
   const leave = (how: (feature: TakenFeature) => void) => {
@@ -175,21 +101,26 @@ export function toolKeys(page: Page, here: () => PixelQuestion | null): (event: 
     const kind = page.toolbox.tool.value;
     const question = here();
     if (kind === "select" || question === null) return false;
-    if (dragsFeatures(kind)) feature = takeFeature(page, kind, question);
+    if (dragsFeatures(kind)) feature = takeFeature(page, kind, question, false);
     else addPin(page, question);
+    return true;
+  }
+
+  /** Goes on with the feature that keys drag. */
+  function goOn(taken: TakenFeature, key: string, steps: number): boolean {
+    const way = WAYS[key];
+    if (way !== undefined) taken.moveBy({ x: steps * way.x, y: steps * way.y });
+    else if (key === "Enter") leave(({ end }) => end());
+    else if (key === "Escape") leave(({ cancel }) => cancel());
+    else return false;
     return true;
   }
 
   return (event) => {
     const { key, shiftKey } = event;
     if (event.ctrlKey || event.metaKey || event.altKey) return false;
-    if (feature === null) return key === "Enter" && take();
-    const way = WAYS[key];
-    const steps = shiftKey ? LARGE_STEPS : 1;
-    if (way !== undefined) feature.moveBy({ x: steps * way.x, y: steps * way.y });
-    else if (key === "Enter") leave(({ end }) => end());
-    else if (key === "Escape") leave(({ cancel }) => cancel());
-    else return false;
-    return true;
+    if (key === "Tab") return toAnswers(page, shiftKey);
+    if (feature !== null) return goOn(feature, key, shiftKey ? LARGE_STEPS : 1);
+    return key === "Enter" && take();
   };
 }

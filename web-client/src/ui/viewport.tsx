@@ -9,11 +9,12 @@ import { isAtLimit } from "../core/document";
 import { viewSizeOf } from "../core/frame";
 import { pinch, zoomTo } from "../core/navigation";
 import type { PixelQuestion } from "../core/probing";
-import { outcomeText } from "../core/tools";
+import { AnswerStrip } from "./answer_strip";
 import { middleOf } from "./directing";
 import { twoFingers } from "./fingers";
 import { fitLight, fitScene } from "./fitting";
 import { FilmGate } from "./gate";
+import { HandLabels } from "./hand_labels";
 import { Hints } from "./hints";
 import { Icon } from "./icons";
 import { Modes } from "./modes";
@@ -112,6 +113,7 @@ export function Viewport() {
           {view !== null && page.showGate.value && <FilmGate view={view} at={picture} />}
           {view !== null && page.showHandles.value && <Overlay view={view} at={picture} size={size} />}
           {view !== null && <ToolView view={view} at={picture} size={size} />}
+          {view !== null && <HandLabels view={view} at={picture} size={size} />}
           {view !== null && <ProbeView view={view} at={picture} size={size} />}
           <Following />
           <Staleness />
@@ -120,6 +122,7 @@ export function Viewport() {
         </div>
         {view !== null && <Hints view={view} at={picture} size={size} />}
         <ToolChoices />
+        <AnswerStrip />
         <StatsPanel />
       </div>
     </main>
@@ -220,20 +223,12 @@ function Staleness() {
   );
 }
 
-/** Why the server does not follow the hand, or not all the way. */
+/** Why the server does not follow the hand; numbers of a drag are at the hand. */
 function DragRefusal() {
   const { session, radiiFollow } = usePage();
   const drag = session.ownDrag.value;
   if (drag === null) return null;
   const { refusal, taken } = drag;
-  const said = refusal === null && drag.outcome !== null ? outcomeText(drag.outcome) : null;
-  if (said !== null) {
-    return (
-      <div class="banner limited-drag" role="status">
-        {said}
-      </div>
-    );
-  }
   if (refusal === null && isAtLimit(session.document.value, taken)) {
     return (
       <div class="banner limited-drag" role="status">

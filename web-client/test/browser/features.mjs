@@ -1,16 +1,29 @@
-// Shadows, hotspots and highlights are taken in the picture and put elsewhere, and what is pinned stays.
+// Shadows, hotspots and highlights are taken in the picture and put elsewhere, by the best answer or another one, and what is
+// pinned stays.
 
-import { expect, fingers, reached, runBrowserTest, seqOf, settled, state } from "./page.mjs";
+import { expect, fingers, reached, runBrowserTest, seqOf, settled, startDragging, state } from "./page.mjs";
 
 /** In the shadow of the blue vase's neck. */
 const SHADOW = [430.5, 265.5];
+
+const NAMES = {
+  wholeLight: "Whole light",
+  controlPoints: "Control points",
+  narrower: "Narrower",
+  pastCaster: "Past the caster",
+  linkedCopy: "Linked copy",
+};
+const ALTERNATIVES = Object.keys(NAMES);
+const ANSWER = new RegExp(Object.values(NAMES).join("|"));
 
 await runBrowserTest(async ({ open, picture, http }) => {
   const page = await open("Ada", { width: 1440, height: 860 });
   await settled(page);
   await aShadow(page, picture, http);
+  await otherAnswers(page, picture, http);
   await somePoints(page, picture, http);
   await pins(page, picture, http);
+  await pinsPassedOver(page, picture, http);
   await aHighlight(page, picture, http);
   await keys(page, picture);
   await byFinger(open, http);
@@ -21,6 +34,16 @@ async function onStage(page, x, y) {
   const box = await page.locator("canvas").boundingBox();
   const scale = Math.min(box.width / 640, box.height / 360);
   return { x: box.x + box.width / 2 + scale * (x - 320), y: box.y + box.height / 2 + scale * (y - 180) };
+}
+
+/** Presses B until the light follows so. */
+async function followBy(page, name) {
+  const button = page
+    .getByRole("group", { name: "How the light follows" })
+    .getByRole("button", { name, exact: true });
+  for (let k = 0; k < 3 && (await button.getAttribute("aria-pressed")) !== "true"; k += 1)
+    await page.keyboard.press("b");
+  expect((await button.getAttribute("aria-pressed")) === "true", `B must lead to ${name}.`);
 }
 
 async function latest(http, seq) {
@@ -47,10 +70,19 @@ async function aShadow(page, picture, http) {
   const at = await onStage(page, ...SHADOW);
   await page.mouse.move(at.x, at.y);
   await page.locator(".tool-view .obstacle", { hasText: "blue vase" }).waitFor();
+  const label = page.locator(".hand-label");
+  await label.getByText("shadow of blue vase").waitFor();
+  expect((await label.innerText()).includes("key"), "The label must name the light.");
   await picture(page, "1-before-anything-moves");
   await drag(page, SHADOW, [410.5, 300.5], async () => {
     await page.locator('.dragged-feature[data-status="landed"]').waitFor();
     await settledDrag(page);
+    const said = await label.innerText();
+    expect(ANSWER.test(said) && /changes (< )?\d+\s%/.test(said), `The label must say what changes: ${said}`);
+    expect(
+      Number(await opacityOf(page, ".handle.point")) < 0.5,
+      "Handles must be quiet while something is dragged.",
+    );
     await picture(page, "2-on-its-way");
   });
   await reached(page, seq + 1);
@@ -60,9 +92,10 @@ async function aShadow(page, picture, http) {
     `It must land: ${JSON.stringify(action)}`,
   );
   expect(action.outcome.residualPx <= 0.5 && action.command.kind === "shadow", "Under the pointer.");
+  expect(action.command.alternative === "best", "The best answer is the default.");
   expect(
-    changes.every(({ type }) => type === "lightParameter"),
-    "As a whole a light is placed.",
+    !("points" in action.command) && ALTERNATIVES.includes(action.outcome.alternative) && changes.length > 0,
+    `The server says which it took: ${JSON.stringify(action)}`,
   );
   await settled(page, seq + 1);
   await picture(page, "3-landed");
@@ -78,6 +111,95 @@ async function aShadow(page, picture, http) {
   await reached(page, seq + 2);
 }
 
+/** Tab goes through other answers, and one that is pressed after the drag takes its place. */
+async function otherAnswers(page, picture, http) {
+  const seq = await seqOf(page);
+  const strip = page.getByRole("region", { name: "Other answers" });
+  const taken = () => strip.locator('[aria-pressed="true"] .answer-name').innerText();
+  let [first, second] = ["", ""];
+  await drag(page, SHADOW, [420.5, 285.5], async () => {
+    await page.keyboard.press("Tab");
+    await strip.locator(".answer").first().waitFor();
+    await settledDrag(page);
+    await picture(page, "10-another-answer");
+    first = await taken();
+    expect(
+      (await page.locator(".hand-label").innerText()).includes(first),
+      `The label must name what is marked: ${first}.`,
+    );
+    const free = strip.locator('.answer[aria-disabled="false"]');
+    expect((await free.count()) >= 2, "There must be another answer.");
+    expect(
+      (await free.locator("img").count()) === (await free.count()),
+      "Each answer that can be had must have a picture.",
+    );
+    for (const refused of await strip.locator('.answer[aria-disabled="true"]').allInnerTexts())
+      expect(refused.includes("Refused: "), `What is refused must say why: ${refused}`);
+    await page.keyboard.press("Tab");
+    await settledDrag(page);
+    second = await taken();
+    expect(second !== first, "Tab must go to another answer.");
+    await page.keyboard.press("Shift+Tab");
+    await settledDrag(page);
+    expect((await taken()) === first, "Shift+Tab must go back.");
+    expect(
+      await page.locator(".stage").evaluate((stage) => stage === document.activeElement),
+      "The focus must stay on the picture.",
+    );
+  });
+  await reached(page, seq + 1);
+  const { action } = await latest(http, seq + 1);
+  expect(
+    NAMES[action.command.alternative] === first,
+    `What was shown must be committed: ${action.command.alternative}, not ${first}.`,
+  );
+  await strip.getByText("press one to take it instead").waitFor();
+  await picture(page, "11-answers-after-the-drag");
+  await strip.locator(".answer", { hasText: second }).click();
+  await reached(page, seq + 3);
+  const replaced = (await latest(http, seq + 3)).action;
+  expect(
+    replaced.type === "edit" && NAMES[replaced.command.alternative] === second,
+    `The other answer must take its place: ${JSON.stringify(replaced)}`,
+  );
+  expect((await latest(http, seq + 2)).action.type === "undo", "The drag itself must be undone.");
+  await strip.getByRole("button", { name: "Close the other answers" }).click();
+  await strip.waitFor({ state: "detached" });
+  const lights = async () => JSON.stringify((await (await http("")).json()).document.lights);
+  const after = await lights();
+  await page.keyboard.press("Control+z");
+  await reached(page, seq + 4);
+  await http("/edits", { edits: [{ command: replaced.command }] });
+  await reached(page, seq + 5);
+  expect((await lights()) === after, "The answer must be the one to the light before the drag.");
+  await http("/edits", { edits: [{ undo: "session" }] });
+  await reached(page, seq + 6);
+
+  // The planted fault: a server that does not answer is named, and the drag goes on.
+  const isDrags = (url) => url.pathname.endsWith("/drags");
+  await page.route(isDrags, (route) => route.abort());
+  const [start, end] = [await onStage(page, ...SHADOW), await onStage(page, 420.5, 285.5)];
+  await page.mouse.move(start.x, start.y);
+  await page.mouse.down();
+  await page.mouse.move(end.x, end.y, { steps: 4 });
+  await page.locator('.dragged-feature[data-status="landed"]').waitFor();
+  await page.keyboard.press("Tab");
+  await strip.getByText("The server does not answer").waitFor();
+  await picture(page, "12-no-other-answers");
+  await page.keyboard.press("Escape");
+  await strip.waitFor({ state: "detached" });
+  await page.mouse.up();
+  await page.unroute(isDrags);
+  expect((await seqOf(page)) === seq + 6, "Escape must leave nothing behind.");
+}
+
+async function opacityOf(page, selector) {
+  return page
+    .locator(selector)
+    .first()
+    .evaluate((element) => getComputedStyle(element).opacity);
+}
+
 /** The picture as it is while something is dragged. */
 async function settledDrag(page) {
   const { liveRevision } = await state(page);
@@ -91,7 +213,7 @@ async function settledDrag(page) {
 /** Bending, only those control points move that take part. */
 async function somePoints(page, picture, http) {
   const seq = await seqOf(page);
-  await page.keyboard.press("b");
+  await followBy(page, "Control points");
   await page.getByRole("button", { name: "Control point 1 takes part" }).click();
   await page.getByLabel("Radii while dragging").selectOption("keep");
   await drag(page, SHADOW, [420.5, 290.5], () => picture(page, "4-bent"));
@@ -167,11 +289,57 @@ async function pins(page, picture, http) {
     await page.getByRole("button", { name: `Control point ${point} takes part` }).click();
 }
 
+/** A hard pin holds a control point that is dragged, but not while P is held; then it is broken until that is undone. */
+async function pinsPassedOver(page, picture, http) {
+  const seq = await seqOf(page);
+  await page.keyboard.press("6");
+  await page.getByRole("button", { name: "Pin: In shadow" }).click();
+  const shadow = await onStage(page, ...SHADOW);
+  await page.mouse.click(shadow.x, shadow.y);
+  await reached(page, seq + 1);
+  const list = page.getByRole("region", { name: "Pins" });
+  await list.getByRole("button", { name: "In shadow on table key" }).click();
+  await page.locator('.pin[data-flash="true"]').waitFor();
+  await picture(page, "13-a-pin-is-found");
+
+  await page.keyboard.press("1");
+  await startDragging(page, "point-3", { x: -120, y: 40 });
+  const label = page.locator(".hand-label");
+  await label.getByText(/^moved \d/).waitFor();
+  await page.keyboard.down("p");
+  await label.getByText("pins passed over").waitFor();
+  await picture(page, "14-pins-passed-over");
+  await page.mouse.up();
+  await page.keyboard.up("p");
+  await reached(page, seq + 2);
+  const { command } = (await latest(http, seq + 2)).action;
+  expect(command.ignorePins === true, `The drag must pass over pins: ${JSON.stringify(command)}`);
+  await page.locator('.pin[data-state="broken"]').waitFor();
+  await list.getByText("broken").waitFor();
+  await settled(page);
+  await picture(page, "15-a-broken-pin");
+  await page.keyboard.press("Control+z");
+  await page.locator('.pin[data-state="atRest"]').waitFor();
+
+  // The same without the key: the pin holds.
+  await startDragging(page, "point-3", { x: -120, y: 40 });
+  await label.getByText(/^moved \d/).waitFor();
+  await page.mouse.up();
+  await reached(page, seq + 4);
+  await settled(page);
+  await page.waitForTimeout(800);
+  expect((await page.locator('.pin[data-state="broken"]').count()) === 0, "A hard pin must hold.");
+  await page.keyboard.press("Control+z");
+  await reached(page, seq + 5);
+  await page.getByRole("button", { name: "Remove: In shadow on table" }).click();
+  await reached(page, seq + 6);
+}
+
 /** A highlight goes on from where it is: it does not jump under the pointer. */
 async function aHighlight(page, picture, http) {
   const seq = await seqOf(page);
   await page.keyboard.press("4");
-  await page.keyboard.press("b");
+  await followBy(page, "Whole light");
   const { document } = await (await http("")).json();
   const { camera } = document.cameras[0];
   const size = [640, 360];
@@ -242,6 +410,10 @@ async function byFinger(open, http) {
   const touch = await fingers(page);
   const seq = await seqOf(page);
   await page.getByRole("button", { name: "Shadow tool" }).tap();
+  await page
+    .getByRole("group", { name: "How the light follows" })
+    .getByRole("button", { name: "Best" })
+    .tap();
   const [shadow, there] = [await onStage(page, ...SHADOW), await onStage(page, 410.5, 300.5)];
   await touch([[shadow, there]]);
   await reached(page, seq + 1);

@@ -114,6 +114,7 @@ fn trial(stage: &TrialScene, kind: TrialKind, rng: &mut Rng) -> Option<Trial> {
         to,
         pins: None,
         source_outside: false,
+        choice: None,
     };
     Some(Trial { kind, light: begin.light, drag, from: begin.coords, pivot_in_scene: begin.pivot })
 }

@@ -50,6 +50,7 @@ fn shadow(points: Option<Vec<usize>>, down: f64) -> Drag {
         to: from + DVec2::new(0.0, down),
         pins: None,
         source_outside: false,
+        choice: None,
     }
 }
 

@@ -102,7 +102,7 @@ fn feature_drag() -> impl Strategy<Value = Drag> {
     (feature, option(vec(0..6_usize, 0..4)), radii, view, way, any::<bool>()).prop_map(
         |(feature, points, radii, view, [from_x, from_y, to_x, to_y], source_outside)| {
             let (from, to) = (DVec2::new(from_x, from_y), DVec2::new(to_x, to_y));
-            Drag { feature, points, radii, view, from, to, pins: None, source_outside }
+            Drag { feature, points, radii, view, from, to, pins: None, source_outside, choice: None }
         },
     )
 }

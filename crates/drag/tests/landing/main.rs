@@ -1,5 +1,6 @@
 //! Drags on scenes. Measurements that share nothing with the solver check the results.
 
+mod alternatives;
 mod bounded;
 mod continuity;
 mod highlights;

@@ -79,6 +79,7 @@ impl TestScene {
             to: DVec2::new(430.5, 310.5),
             pins: None,
             source_outside: false,
+            choice: None,
         };
         Trial { light: CheckedLight::new(light).expect("valid"), drag, pins: Vec::new() }
     }
@@ -150,7 +151,7 @@ fn trial(scene: &TestScene, random: &mut Random, feature: Feature, deforms: bool
     let points =
         deforms.then(|| if random.between(0.0, 1.0) < 0.5 { vec![last - 2, last - 1] } else { (1..last).collect() });
     let (view, radii) = (scene.view.clone(), RadiusMode::Keep);
-    let drag = Drag { feature, points, radii, view, from, to, pins: None, source_outside: false };
+    let drag = Drag { feature, points, radii, view, from, to, pins: None, source_outside: false, choice: None };
     Some(Trial { light, drag, pins: Vec::new() })
 }
 

@@ -5,28 +5,36 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use axum::extract::State;
-use document::{Document, EditError, check_drag};
-use drag::{Drag, NumberedPin, WorkBudget, drag_budgeted};
+use document::{Command, Document, EditError, check_drag, execute_command};
+use drag::{
+    Drag, DragResult as Solved, DragStatus, LightCopy, NumberedPin, WorkBudget, drag_alternatives, drag_budgeted,
+};
 use light::{CheckedLight, LightId};
 use protocol::RenderLimits;
-use protocol::drag_file::{DragResult, FileDrag, NameOrIndex};
+use protocol::drag_file::{DragCamera, DragResult, FileDrag, NameOrIndex};
 use raycast::Bvh;
 
 use super::answer::{HandlerResult, json};
 use super::read::{JsonBody, SessionName};
 use super::render::default_camera;
+use super::thumbnail::draw_thumbnail;
 use crate::ServerError;
 use crate::charges::Payer;
 use crate::limits::MAX_DRAGS;
+use crate::request::valid_camera;
 use crate::room::SessionSnapshot;
 use crate::scenes::DecodedScene;
 use crate::solver::SolveTurn;
 use crate::state::App;
 
 /// A drag with its names resolved in the document.
+#[derive(Clone)]
 struct ResolvedDrag {
+    id: LightId,
     light: Arc<CheckedLight>,
     drag: Drag,
+    /// True for all alternatives, with pictures.
+    wants_alternatives: bool,
     /// Pins of the light in the document.
     pins: Vec<NumberedPin>,
 }
@@ -40,26 +48,57 @@ pub async fn answer(
     if drags.len() > MAX_DRAGS {
         return Err(ServerError::TooMany { what: "drags in a request", limit: MAX_DRAGS });
     }
-    let SessionSnapshot { document, scene, .. } = state.rooms.snapshot(&name).await?;
+    let SessionSnapshot { document, scene, lease, .. } = state.rooms.snapshot(&name).await?;
     let drags = drags.iter().map(|drag| resolve_drag(drag, &document, &scene)).collect::<Result<Vec<_>, _>>()?;
+    let draws = drags.iter().any(|drag| drag.wants_alternatives);
+    let _permit = draws.then(|| state.stills.acquire(&name)).transpose()?;
     let bvh = scene.bvh().await?;
     let mut answers = Vec::with_capacity(drags.len());
     for drag in drags {
         // If the connection ends, this future is dropped and the running solve is cancelled.
-        let bvh = Arc::clone(&bvh);
-        let solve = move |turn: &mut SolveTurn| solve_drag(&bvh, &drag, turn);
-        answers.push(state.services.solver.run(Payer::program(&name), solve).await?);
+        let (bvh, solved_drag) = (Arc::clone(&bvh), drag.clone());
+        let solve = move |turn: &mut SolveTurn| solve_drag(&bvh, &solved_drag, turn);
+        let (best, all, seconds) = state.services.solver.run(Payer::program(&name), solve).await?;
+        let mut answer = DragResult::new(&best, &all, seconds);
+        for (alternative, solved) in answer.alternatives.iter_mut().zip(&all) {
+            if let Some(after) = document_after(&document, &scene, &drag, solved)? {
+                let drawn = draw_thumbnail(&state, (&name, &lease), &after, &scene, &drag.drag.view);
+                alternative.thumbnail = Some(drawn.await?);
+            }
+        }
+        answers.push(answer);
     }
     Ok(json(&answers))
 }
 
-fn solve_drag(bvh: &Bvh, resolved: &ResolvedDrag, turn: &mut SolveTurn) -> DragResult {
+/// Solves a drag and, if asked for, its alternatives. Returns the result, the alternatives and the duration in seconds.
+fn solve_drag(bvh: &Bvh, resolved: &ResolvedDrag, turn: &mut SolveTurn) -> (Solved, Vec<Solved>, f64) {
     let began = Instant::now();
-    let ResolvedDrag { light, drag, pins } = resolved;
+    let ResolvedDrag { light, drag, pins, wants_alternatives, .. } = resolved;
     let turn = RefCell::new(turn);
     let may_continue = |steps| turn.borrow_mut().may_continue(steps);
-    let result = drag_budgeted(bvh, light, drag, pins, &WorkBudget::new(&may_continue));
-    DragResult::new(&result, began.elapsed().as_secs_f64())
+    let work = WorkBudget::new(&may_continue);
+    let solve_all = || drag_alternatives(bvh, light, drag, pins, &work);
+    let all = if *wants_alternatives { solve_all() } else { Vec::new() };
+    let best = all.first().cloned().unwrap_or_else(|| drag_budgeted(bvh, light, drag, pins, &work));
+    (best, all, began.elapsed().as_secs_f64())
+}
+
+/// Returns the document after a drag. `None` if the drag was refused.
+fn document_after(
+    document: &Document,
+    scene: &DecodedScene,
+    drag: &ResolvedDrag,
+    solved: &Solved,
+) -> Result<Option<Document>, ServerError> {
+    if let DragStatus::Refused(_) = solved.outcome.status {
+        return Ok(None);
+    }
+    // Pins of the request are no pins of the document.
+    let copy = solved.copy.clone().map(|copy| LightCopy { pins: Vec::new(), ..copy });
+    let solved = Solved { copy, ..solved.clone() };
+    let command = Command::DragFeature { light: drag.id, drag: Box::new(drag.drag.clone()) };
+    Ok(Some(execute_command(document, &command, scene.context(None, Some(&solved)))?.document))
 }
 
 /// Resolves the names of lights and cameras in the document. A drag without pins of its own gets the document's.
@@ -70,7 +109,8 @@ fn resolve_drag(file_drag: &FileDrag, document: &Document, scene: &DecodedScene)
     }
     let camera = match &file_drag.camera {
         None => default_camera(document, scene, f64::from(size[0]) / f64::from(size[1])),
-        Some(name) => {
+        Some(DragCamera::Own(camera)) => valid_camera((**camera).clone())?,
+        Some(DragCamera::Listed(name)) => {
             let camera = match name {
                 NameOrIndex::Index(index) => document.cameras().values().nth(*index),
                 NameOrIndex::Name(name) => document.cameras().get(&document.find_camera(name)?),
@@ -85,7 +125,7 @@ fn resolve_drag(file_drag: &FileDrag, document: &Document, scene: &DecodedScene)
     file_drag.pins.iter().flatten().try_for_each(|pin| light_of(&pin.light).map(|_| ()))?;
     let light = document.lights().get(&id).map(|placed| Arc::clone(&placed.light)).ok_or(ServerError::Internal)?;
     let pins = document.pins_of(id).map(|(id, pin)| NumberedPin { number: id.0, pin: pin.clone() }).collect();
-    Ok(ResolvedDrag { light, drag, pins })
+    Ok(ResolvedDrag { id, light, drag, wants_alternatives: file_drag.alternatives, pins })
 }
 
 /// Returns the light of that name, or of that index among all lights.

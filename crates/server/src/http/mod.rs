@@ -15,6 +15,7 @@ mod read;
 mod render;
 mod session_list;
 mod sessions;
+mod thumbnail;
 mod upgrade;
 
 use std::io;

@@ -42,6 +42,8 @@ impl Room {
             return self.refuse_gesture(id, 0, update, client, &error, tick);
         };
         let now_ms = self.clock_ms();
+        let solved = command.as_ref().ok().and_then(|completed| completed.solved.as_ref());
+        let outcome = solved.map(|solved| Box::new(protocol::DragOutcome::from(&solved.outcome)));
         let updated = command.and_then(|CompletedCommand { command, solved }| {
             let context = self.scene.decoded.context(None, solved.as_ref());
             Ok(self.session.update_gesture(id, update, command, actor, now_ms, context).cloned()?)
@@ -54,7 +56,9 @@ impl Room {
             }
             Err(error) => {
                 let status = GestureStatus::Held { refused: Some(error.problem()) };
-                let state = GestureState { update, ..self.gesture_state(&before, status) };
+                // The outcome of a refused drag says how far it would have gone, and what holds it.
+                let held = self.gesture_state(&before, status);
+                let state = GestureState { update, outcome: outcome.or(held.outcome), ..held };
                 tick.send(Outgoing::GestureRefusal(client, state));
             }
         }

@@ -128,7 +128,7 @@ impl WorkCase {
         let pins = self.pins(stage, &light, size);
         let Self { feature, radii, source_outside, .. } = *self;
         let (view, pins) = (stage.view.clone(), Some(NumberedPin::by_index(pins)));
-        Some((light, Drag { feature, points, radii, view, from, to, pins, source_outside }))
+        Some((light, Drag { feature, points, radii, view, from, to, pins, source_outside, choice: None }))
     }
 
     /// Makes a light from above, aimed at `aim` in scene space.

@@ -103,11 +103,21 @@ pub fn answers(stages: &[TrialScene], sizes: CaseSizes, count: usize, seed: u64)
 
 /// Returns the text of a result. Rust formats numbers so that different ones have different texts.
 fn line(result: &DragResult) -> String {
-    let DragResult { light, outcome } = result;
-    let DragOutcome { status, residual_px, shadowed_by, iterations, from_world, to_world, pivot_world, .. } = outcome;
+    let DragResult { light, outcome, .. } = result;
+    let DragOutcome {
+        status,
+        changed_share,
+        residual_px,
+        shadowed_by,
+        iterations,
+        from_world,
+        to_world,
+        pivot_world,
+        ..
+    } = outcome;
     let placement = (light.get(TRANSLATION), light.get(ROTATION));
     format!(
-        "{status:?} {residual_px:?} {shadowed_by:?} {iterations} {from_world:?} {to_world:?} {pivot_world:?} {:?} {:?} {:?}",
+        "{status:?} {changed_share:?} {residual_px:?} {shadowed_by:?} {iterations} {from_world:?} {to_world:?} {pivot_world:?} {:?} {:?} {:?}",
         light.points(),
         placement.0,
         placement.1

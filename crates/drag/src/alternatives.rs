@@ -1,0 +1,180 @@
+//! Alternatives of a drag: other parts of the light that may follow the feature, ordered by what they do to the picture.
+
+use light::CheckedLight;
+
+use crate::linked_copy::split_light;
+use crate::occlusion::Occlusion;
+use crate::past_caster::first_point_past_caster;
+use crate::picture_change::PictureSample;
+use crate::request::{Alternative, Drag, DragChoice, DragLimit, DragRefusal, DragResult, DragStatus, RadiusMode};
+use crate::solve::{DragTask, refused, solved};
+
+/// Difference of the changed share by which a later alternative displaces an earlier one. Smaller differences are within
+/// the error of the measurement, and the choice would alternate along a cursor's way.
+const CLEARLY_LESS: f64 = 0.03;
+
+/// Difference of the residual by which a limited drag is nearer, in pixels.
+const CLEARLY_NEARER_PX: f64 = 2.0;
+
+/// Result of an alternative, with the picture's light after it, which is empty if the drag was refused.
+struct Solved {
+    result: DragResult,
+    after: Vec<f64>,
+}
+
+/// Drags by the alternative that the drag chooses, or by what it names itself.
+pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
+    let sample = PictureSample::new(task.bvh, &task.drag.view, task.light, task.work);
+    match task.drag.choice {
+        None => measured(&sample, solved(task, true)).result,
+        Some(DragChoice::Only(alternative)) => {
+            let result = solve_alternative(task, alternative).unwrap_or_else(|refusal| refused(task, refusal));
+            named(&sample, result, alternative).result
+        }
+        Some(DragChoice::Best) => {
+            let mut best: Option<Solved> = None;
+            let own = Alternative::ALL.into_iter().filter(|alternative| *alternative != Alternative::LinkedCopy);
+            for alternative in own {
+                // None is clearly better than one that changes so little.
+                if best.as_ref().is_some_and(|best| best.rank() <= CLEARLY_LESS) {
+                    break;
+                }
+                let is_repeated =
+                    alternative == Alternative::Narrower && !best.as_ref().is_some_and(is_limited_by_fold);
+                let Some(new) = (if is_repeated { None } else { solve_listed(task, &sample, alternative) }) else {
+                    continue;
+                };
+                if best.as_ref().is_none_or(|best| new.is_clearly_better(best)) {
+                    best = Some(new);
+                }
+            }
+            // The light as a whole can always be tried.
+            best.map_or_else(|| refused(task, DragRefusal::NotBendy), |best| best.result)
+        }
+    }
+}
+
+/// Solves a drag by each alternative that the light and the feature have. Returns the best first, then those that land,
+/// are limited and are refused, each by what they change. Of those with the same picture, the first remains.
+pub(crate) fn drag_all(task: DragTask) -> Vec<DragResult> {
+    let sample = PictureSample::new(task.bvh, &task.drag.view, task.light, task.work);
+    let mut all: Vec<Solved> = Vec::new();
+    for alternative in Alternative::ALL {
+        // Radii that need not shrink give the same light as those that are kept.
+        if alternative != Alternative::Narrower || all.first().is_some_and(is_limited_by_fold) {
+            all.extend(solve_listed(task, &sample, alternative));
+        }
+    }
+    let own = (0..all.len()).filter(|index| all[*index].result.outcome.alternative != Some(Alternative::LinkedCopy));
+    let best = own.reduce(|best, index| if all[index].is_clearly_better(&all[best]) { index } else { best });
+    let first = best.map(|best| all.remove(best));
+    all.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
+    let mut listed: Vec<Solved> = Vec::new();
+    for solved in first.into_iter().chain(all) {
+        let is_solved = |solved: &Solved| !solved.after.is_empty();
+        let is_twin = |other: &Solved| is_solved(other) && sample.are_alike(&solved.after, &other.after);
+        if !(is_solved(&solved) && listed.iter().any(is_twin)) {
+            listed.push(solved);
+        }
+    }
+    listed.into_iter().map(|solved| solved.result).collect()
+}
+
+impl Solved {
+    /// Returns a number that is less for a better result: the changed share of one that landed, then 1 and more by the
+    /// residual of a limited one, then 3.
+    fn rank(&self) -> f64 {
+        let outcome = &self.result.outcome;
+        match outcome.status {
+            DragStatus::Landed => outcome.changed_share.unwrap_or(1.0),
+            DragStatus::Limited(_) => 1.0 + outcome.residual_px / (1.0 + outcome.residual_px),
+            DragStatus::Refused(_) => 3.0,
+        }
+    }
+
+    /// True if this result is clearly better than an earlier alternative's.
+    fn is_clearly_better(&self, other: &Self) -> bool {
+        let (own, others) = (&self.result.outcome, &other.result.outcome);
+        match (own.status, others.status) {
+            (DragStatus::Limited(_), DragStatus::Limited(_)) => {
+                own.residual_px < others.residual_px - CLEARLY_NEARER_PX
+            }
+            (DragStatus::Landed, DragStatus::Landed) => self.rank() < other.rank() - CLEARLY_LESS,
+            _ => self.rank() < other.rank(),
+        }
+    }
+}
+
+/// Solves a drag by an alternative. `None` if the light or the feature does not have it.
+fn solve_listed(task: DragTask, sample: &PictureSample, alternative: Alternative) -> Option<Solved> {
+    let result = match solve_alternative(task, alternative) {
+        Ok(result) => result,
+        Err(refusal @ DragRefusal::TooLittleRoom) => refused(task, refusal),
+        Err(_) => return None,
+    };
+    Some(named(sample, result, alternative))
+}
+
+/// Solves a drag by an alternative, or says why the light or the feature does not have it.
+fn solve_alternative(task: DragTask, alternative: Alternative) -> Result<DragResult, DragRefusal> {
+    let DragTask { bvh, light, drag, pins, work } = task;
+    let whole = Drag { points: None, ..drag.clone() };
+    let movable = || drag.points.clone().unwrap_or_else(|| (1..light.light().points().len()).collect());
+    let by_points = |points: Vec<usize>, radii| Drag { points: Some(points), radii, ..drag.clone() };
+    let solve = |drag: &Drag| solved(DragTask { drag, ..task }, true);
+    let tube = || light.tube().ok_or(DragRefusal::NotBendy);
+    match alternative {
+        Alternative::WholeLight => Ok(solve(&whole)),
+        Alternative::ControlPoints => {
+            // Radii shrink by themselves in the narrower alternative only.
+            let radii = if drag.radii == RadiusMode::Solve { RadiusMode::Solve } else { RadiusMode::Keep };
+            tube().map(|_| solve(&by_points(movable(), radii)))
+        }
+        Alternative::Narrower => tube().map(|_| solve(&by_points(movable(), RadiusMode::Follow))),
+        Alternative::PastCaster => {
+            let first = first_point_past_caster(task, tube()?)?;
+            let past = movable().into_iter().filter(|point| *point >= first).collect();
+            Ok(solve(&by_points(past, RadiusMode::Keep)))
+        }
+        Alternative::LinkedCopy => {
+            let occlusion = Occlusion::new(bvh, light, work);
+            let split = split_light(&occlusion, light, drag, pins).ok_or(DragRefusal::NoShadow)?;
+            let task = DragTask { light: &split.dragged, pins: &split.pins, ..task };
+            let solve = |drag: &Drag| solved(DragTask { drag, ..task }, true);
+            let bent = light.tube().map(|_| solve(&by_points(movable(), RadiusMode::Keep)));
+            let landed = bent.filter(|result| result.outcome.status == DragStatus::Landed);
+            let mut result = landed.unwrap_or_else(|| solve(&whole));
+            if let DragStatus::Refused(_) = result.outcome.status {
+                result.light = light.light().clone();
+            } else {
+                result.copy = Some(split.copy);
+            }
+            Ok(result)
+        }
+    }
+}
+
+fn is_limited_by_fold(solved: &Solved) -> bool {
+    let status = solved.result.outcome.status;
+    [DragStatus::Limited(DragLimit::Fold), DragStatus::Refused(DragRefusal::Limited(DragLimit::Fold))].contains(&status)
+}
+
+/// Names the alternative of a result, and measures the picture after it.
+fn named(sample: &PictureSample, mut result: DragResult, alternative: Alternative) -> Solved {
+    result.outcome.alternative = Some(alternative);
+    measured(sample, result)
+}
+
+/// Measures the picture after a drag.
+fn measured(sample: &PictureSample, mut result: DragResult) -> Solved {
+    let mut after = Vec::new();
+    let lights = [Some(&result.light), result.copy.as_ref().map(|copy| &copy.light)];
+    let checked: Result<Vec<_>, _> = lights.into_iter().flatten().cloned().map(CheckedLight::new).collect();
+    if !matches!(result.outcome.status, DragStatus::Refused(_))
+        && let Ok(checked) = checked
+    {
+        after = sample.irradiances(&checked);
+        result.outcome.changed_share = Some(sample.changed_share(&after));
+    }
+    Solved { result, after }
+}

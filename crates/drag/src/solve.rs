@@ -1,0 +1,131 @@
+//! One drag: to the cursor, or as far along the straight way to it as the feature lands.
+
+use light::CheckedLight;
+use raycast::{Bvh, SeenPoint};
+
+use crate::SOLVER;
+use crate::landing::{DragToAnyEnd, Landing};
+use crate::occlusion::{Occlusion, seen_at};
+use crate::request::{Drag, DragLimit, DragOutcome, DragRefusal, DragResult, DragStatus, NumberedPin};
+use crate::start::DragStart;
+use crate::work::WorkBudget;
+
+/// Number of parts of the way whose ends are tried, from the cursor backwards, before the last part is halved.
+const PARTS: u32 = 8;
+
+/// Least share of the way that a limited drag covers. A drag that covers less is refused.
+const LEAST_SHARE: f64 = 1.0 / 3.0;
+
+/// Drag with all that it depends on.
+#[derive(Clone, Copy)]
+pub(crate) struct DragTask<'a> {
+    pub bvh: &'a Bvh,
+    pub light: &'a CheckedLight,
+    pub drag: &'a Drag,
+    /// Pins to keep.
+    pub pins: &'a [NumberedPin],
+    pub work: &'a WorkBudget<'a>,
+}
+
+/// Drags what `drag.points` says. If it `keeps_picture`, the rest of the picture changes as little as it can, else the
+/// light. The result has no changed share.
+pub(crate) fn solved(task: DragTask, keeps_picture: bool) -> DragResult {
+    let DragTask { bvh, light, drag, pins, work } = task;
+    let (picked, mut result) = pick(task);
+    let occlusion = Occlusion::new(bvh, light, work);
+    let distance = drag.from.distance(drag.to);
+    match DragStart::new(&occlusion, light, drag, pins, &picked) {
+        Err(refusal) => result.outcome.status = DragStatus::Refused(refusal),
+        Ok(start) => {
+            let origin = bvh.posed.origin_in_world;
+            result.outcome.pivot_world = start.caster.map(|caster| caster.position + origin);
+            result.outcome.residual_px = distance;
+            let to_any_end = DragToAnyEnd::new(&occlusion, light, drag, start, keeps_picture);
+            if to_any_end.has_no_effect() {
+                result.outcome.status = DragStatus::Refused(DragRefusal::NoWeight);
+            } else {
+                write_farthest(&to_any_end, drag, &mut result);
+            }
+        }
+    }
+    if work.is_exhausted() && matches!(result.outcome.status, DragStatus::Refused(_)) {
+        result.outcome.status = DragStatus::Refused(DragRefusal::Limited(DragLimit::TooMuchWork));
+        result.outcome.residual_px = distance;
+    }
+    result
+}
+
+/// Returns the result of a drag that is refused.
+pub(crate) fn refused(task: DragTask, refusal: DragRefusal) -> DragResult {
+    let (_, mut result) = pick(task);
+    result.outcome.status = DragStatus::Refused(refusal);
+    result
+}
+
+/// Picks the surfaces at the start of the drag and under the cursor. Also returns the result of a drag that is refused.
+pub(crate) fn pick(task: DragTask) -> ([Option<SeenPoint>; 2], DragResult) {
+    let DragTask { bvh, light, drag, work, .. } = task;
+    let origin = bvh.posed.origin_in_world;
+    let picked = [drag.from, drag.to].map(|pixel| seen_at(bvh, &drag.view, pixel, work));
+    let [from_world, to_world] = picked.map(|seen| seen.map(|seen| seen.position + origin));
+    let (solver, version) = SOLVER;
+    let outcome = DragOutcome {
+        solver: solver.into(),
+        version,
+        status: DragStatus::Refused(DragRefusal::NothingAtStart),
+        alternative: None,
+        changed_share: None,
+        residual_px: f64::INFINITY,
+        shadowed_by: None,
+        iterations: 0,
+        from_world,
+        to_world,
+        pivot_world: None,
+    };
+    (picked, DragResult { light: light.light().clone(), copy: None, outcome })
+}
+
+/// Drags the feature to the cursor, or as far as it lands, and writes the result.
+fn write_farthest(to_any_end: &DragToAnyEnd, drag: &Drag, result: &mut DragResult) {
+    let Drag { from, to, .. } = *drag;
+    let distance = from.distance(to);
+    let land = |share: f64| to_any_end.land(from.lerp(to, share));
+    // The limit is that at the cursor, whatever ends the way before.
+    let mut limit = match land(1.0) {
+        Ok(landing) => return write(to_any_end, &landing, DragStatus::Landed, result),
+        Err(limit) => limit,
+    };
+    // The farthest of a few places at which the feature lands, then the last pixel before it no longer does.
+    let share_of = |part: u32| f64::from(part) / f64::from(PARTS);
+    let parts = (1..PARTS).rev().take_while(|part| share_of(part + 1) > LEAST_SHARE);
+    let mut reached = parts.map(share_of).find_map(|share| Some((share, land(share).ok()?)));
+    if let Some((share, landing)) = &mut reached {
+        let mut beyond = *share + 1.0 / f64::from(PARTS);
+        while (beyond - *share) * distance > 1.0 {
+            let middle = f64::midpoint(*share, beyond);
+            match land(middle) {
+                Ok(found) => (*share, *landing) = (middle, found),
+                Err(_) => beyond = middle,
+            }
+        }
+    }
+    if to_any_end.occlusion.work.is_exhausted() {
+        limit = DragLimit::TooMuchWork;
+    }
+    match reached {
+        Some((share, landing)) if share >= LEAST_SHARE => {
+            let residual_px = distance * (1.0 - share);
+            write(to_any_end, &Landing { residual_px, ..landing }, DragStatus::Limited(limit), result);
+        }
+        _ => result.outcome.status = DragStatus::Refused(DragRefusal::Limited(limit)),
+    }
+}
+
+fn write(to_any_end: &DragToAnyEnd, landing: &Landing, status: DragStatus, result: &mut DragResult) {
+    let nodes = &to_any_end.occlusion.bvh.posed.scene.nodes;
+    result.light = landing.light.light().clone();
+    result.outcome.status = status;
+    result.outcome.residual_px = landing.residual_px;
+    result.outcome.iterations = landing.iterations;
+    result.outcome.shadowed_by = landing.shadowed_by.map(|node| nodes[node].name.clone());
+}
