@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::thread;
 
-use document::{AssetHash, Command, CommandContext, Document, solve_drag};
+use document::{AssetHash, Command, CommandContext, CommandSolution, Document, solve_drag};
 use drag::{Drag, Feature, RadiusMode, Viewport};
 use edit::{Actor, EditRequest, EditSources, Session, UndoScope};
 use glam::DVec2;
@@ -79,7 +79,8 @@ fn made() -> (Vec<String>, Session) {
         assert!(tried < 20 * DRAGS, "{drags} of {tried} are carried out");
         let drag = any_drag(&mut random, &view);
         let solved = solve_drag(session.document(), light, &drag, &bvh).expect("a picture and a light");
-        let context = CommandContext { solved: Some(&solved), ..CommandContext::default() };
+        let context =
+            CommandContext { solved: Some(&CommandSolution::Drag(Box::new(solved))), ..CommandContext::default() };
         let command = Command::DragFeature { light, drag: Box::new(drag) };
         let request = EditRequest::Edit { base_seq: None, command };
         let sources = EditSources { context, reverted: None };

@@ -190,9 +190,10 @@ impl From<&EditError> for ErrorCode {
             EditError::DragRefused { .. }
             | EditError::PinDoesNotHold { .. }
             | EditError::PinLimits { .. }
+            | EditError::PinBreaks { .. }
             | EditError::InvalidPin
             | EditError::EmptyViewport => Self::Drag,
-            EditError::DragNotSolved(_) => Self::Fault,
+            EditError::NotSolved(_) => Self::Fault,
             EditError::InvalidLight { reason, .. } => reason.into(),
             EditError::Undrawable(_) => Self::InvalidLight,
             EditError::InvalidCamera(_) => Self::InvalidCamera,

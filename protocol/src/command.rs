@@ -34,7 +34,7 @@ pub enum Command {
         /// Id of the light.
         light: u64,
     },
-    /// Places a light as a whole.
+    /// Places a light as a whole, or as near to the place as its hard pins allow.
     PlaceLight {
         /// Id of the light.
         light: u64,
@@ -47,6 +47,9 @@ pub enum Command {
         /// World units per light-local unit. Default: no change.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         scale: Option<f64>,
+        /// True if the command may break hard pins.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        ignore_pins: bool,
     },
     /// Sets the parameter at an address: `/lights/3/coneAngle`, `/lights/3/points/2/position`,
     /// `/cameras/1/projection`.
@@ -55,12 +58,18 @@ pub enum Command {
         target: String,
         /// Value, in the form that the other commands of the parameter take.
         value: serde_json::Value,
+        /// True if the command may break hard pins.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        ignore_pins: bool,
     },
     /// Sets one parameter of a light.
     SetLight {
         /// Id of the light.
         light: u64,
         parameter: LightParameter,
+        /// True if the command may break hard pins.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        ignore_pins: bool,
     },
     /// Sets one parameter of a control point.
     SetPoint {
@@ -69,8 +78,12 @@ pub enum Command {
         /// Index of the control point.
         point: usize,
         parameter: PointParameter,
+        /// True if the command may break hard pins.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        ignore_pins: bool,
     },
-    /// Moves a control point as near to a position as is possible without a fold of the tube.
+    /// Moves a control point as near to a position as is possible without a fold of the tube and without breaking a hard
+    /// pin.
     DragPoint {
         /// Id of the light.
         light: u64,
@@ -81,6 +94,9 @@ pub enum Command {
         /// Mode of the radii: `keep` (the default) or `follow`, not `solve`.
         #[serde(default)]
         radii: DragRadii,
+        /// True if the command may break hard pins.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        ignore_pins: bool,
     },
     /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another position in a picture. The
     /// drag keeps the document's pins of the light.
@@ -96,7 +112,7 @@ pub enum Command {
     SetPin {
         /// Id of the pin in the document.
         pin: u64,
-        /// True if every drag keeps the pin. False if a drag keeps it only as far as it can.
+        /// True if every edit keeps the pin. False if only drags of features keep it, as far as they can.
         hard: bool,
     },
     /// Adds a control point.
@@ -118,6 +134,9 @@ pub enum Command {
         /// Intensity. Default: a value between those of the neighbours.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         intensity: Option<f64>,
+        /// True if the command may break hard pins.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        ignore_pins: bool,
     },
     /// Removes a control point.
     RemovePoint {
@@ -125,6 +144,9 @@ pub enum Command {
         light: u64,
         /// Index of the control point, 1 or more.
         point: usize,
+        /// True if the command may break hard pins.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        ignore_pins: bool,
     },
     /// Turns a straight light into a BendyLight with the same id. A former spotlight lights every point as
     /// before.
@@ -144,11 +166,17 @@ pub enum Command {
         /// World position at which a former omni or directional light shines. Default: the centre of the scene.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         toward: Option<Vec3>,
+        /// True if the command may break hard pins.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        ignore_pins: bool,
     },
     /// Turns a BendyLight into a spotlight with the same id, from its source to its last control point.
     StraightenLight {
         /// Id of the light.
         light: u64,
+        /// True if the command may break hard pins.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        ignore_pins: bool,
     },
     /// Adds a camera.
     AddCamera { camera: Camera },
@@ -202,24 +230,26 @@ impl TryFrom<Command> for document::Command {
             }
             Command::AddLight { light } => Self::AddLight(Arc::new(light.try_into()?)),
             Command::RemoveLight { light } => Self::RemoveLight(LightId(light)),
-            Command::PlaceLight { light, translation, rotation, scale } => Self::PlaceLight {
+            Command::PlaceLight { light, translation, rotation, scale, ignore_pins } => Self::PlaceLight {
                 light: LightId(light),
                 translation: translation.map(Into::into),
                 rotation: rotation.map(DQuat::from_array),
                 scale,
+                ignore_pins,
             },
-            Command::Set { target, value } => set(&target, &value)?,
-            Command::SetLight { light, parameter } => {
-                Self::SetLight { light: LightId(light), setting: parameter.into() }
+            Command::Set { target, value, ignore_pins } => set(&target, &value, ignore_pins)?,
+            Command::SetLight { light, parameter, ignore_pins } => {
+                Self::SetLight { light: LightId(light), setting: parameter.into(), ignore_pins }
             }
-            Command::SetPoint { light, point, parameter } => {
-                Self::SetPoint { light: LightId(light), point, setting: parameter.into() }
+            Command::SetPoint { light, point, parameter, ignore_pins } => {
+                Self::SetPoint { light: LightId(light), point, setting: parameter.into(), ignore_pins }
             }
-            Command::DragPoint { light, point, position, radii } => Self::DragPoint {
+            Command::DragPoint { light, point, position, radii, ignore_pins } => Self::DragPoint {
                 light: LightId(light),
                 point,
                 position: position.into(),
                 radii_follow: radii_follow(radii)?,
+                ignore_pins,
             },
             Command::DragFeature(drag) => {
                 if drag.pins.is_some() {
@@ -234,23 +264,31 @@ impl TryFrom<Command> for document::Command {
             Command::AddPin { pin } => Self::AddPin(pin.into()),
             Command::RemovePin { pin } => Self::RemovePin(PinId(pin)),
             Command::SetPin { pin, hard } => Self::SetPin { pin: PinId(pin), is_hard: hard },
-            Command::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
-                light: LightId(light),
-                point,
-                position: position.map(Into::into),
-                radius,
-                color: color.map(Into::into),
-                intensity,
-            },
-            Command::RemovePoint { light, point } => Self::RemovePoint { light: LightId(light), point },
-            Command::BendLight { light, segments, range, cone_angle, toward } => Self::BendLight {
+            Command::InsertPoint { light, point, position, radius, color, intensity, ignore_pins } => {
+                Self::InsertPoint {
+                    light: LightId(light),
+                    point,
+                    position: position.map(Into::into),
+                    radius,
+                    color: color.map(Into::into),
+                    intensity,
+                    ignore_pins,
+                }
+            }
+            Command::RemovePoint { light, point, ignore_pins } => {
+                Self::RemovePoint { light: LightId(light), point, ignore_pins }
+            }
+            Command::BendLight { light, segments, range, cone_angle, toward, ignore_pins } => Self::BendLight {
                 light: LightId(light),
                 segments: segments.unwrap_or(document::DEFAULT_BEND_SEGMENTS),
                 range,
                 cone_angle,
                 toward: toward.map(Into::into),
+                ignore_pins,
             },
-            Command::StraightenLight { light } => Self::StraightenLight(LightId(light)),
+            Command::StraightenLight { light, ignore_pins } => {
+                Self::StraightenLight { light: LightId(light), ignore_pins }
+            }
             Command::AddCamera { camera } => Self::AddCamera(camera.into()),
             Command::RemoveCamera { camera } => Self::RemoveCamera(CameraId(camera)),
             Command::PlaceCamera { camera, translation, rotation } => Self::PlaceCamera {
@@ -276,7 +314,7 @@ fn radii_follow(radii: DragRadii) -> Result<bool, Refused> {
 
 /// Returns the command that sets the parameter at `address`. For a value of the wrong type the error says which
 /// type the parameter takes.
-fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Refused> {
+fn set(address: &str, value: &serde_json::Value, ignore_pins: bool) -> Result<document::Command, Refused> {
     let refused = |why: String| Refused::Address(format!("`{}` cannot be set: {why}", excerpt(address)));
     let (target, name) = ParameterTarget::from_address(address).ok_or_else(|| {
         refused("write an address as /lights/ID/NAME, /lights/ID/points/INDEX/NAME or /cameras/ID/NAME".into())
@@ -298,8 +336,10 @@ fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Re
         Err(_) => Err(other_type()),
     };
     Ok(match target {
-        ParameterTarget::Light(light) => document::Command::SetLight { light, setting: setting()? },
-        ParameterTarget::Point(light, point) => document::Command::SetPoint { light, point, setting: setting()? },
+        ParameterTarget::Light(light) => document::Command::SetLight { light, setting: setting()?, ignore_pins },
+        ParameterTarget::Point(light, point) => {
+            document::Command::SetPoint { light, point, setting: setting()?, ignore_pins }
+        }
         ParameterTarget::Camera(camera) => {
             let parameter = CameraParameter::deserialize(serde_json::json!({ (name): value }));
             let parameter = parameter.map_err(|_| other_type())?.into();
@@ -315,21 +355,28 @@ impl From<&document::Command> for Command {
             C::LoadScene { asset, name } => Self::LoadScene { scene: asset.to_string(), name: Some(name.clone()) },
             C::AddLight(light) => Self::AddLight { light: Light::from(&**light) },
             C::RemoveLight(light) => Self::RemoveLight { light: light.0 },
-            C::PlaceLight { light, translation, rotation, scale } => Self::PlaceLight {
+            C::PlaceLight { light, translation, rotation, scale, ignore_pins } => Self::PlaceLight {
                 light: light.0,
                 translation: translation.map(Into::into),
                 rotation: rotation.map(Into::into),
                 scale: *scale,
+                ignore_pins: *ignore_pins,
             },
-            C::SetLight { light, setting } => Self::SetLight { light: light.0, parameter: setting.clone().into() },
-            C::SetPoint { light, point, setting } => {
-                Self::SetPoint { light: light.0, point: *point, parameter: setting.clone().into() }
+            C::SetLight { light, setting, ignore_pins } => {
+                Self::SetLight { light: light.0, parameter: setting.clone().into(), ignore_pins: *ignore_pins }
             }
-            C::DragPoint { light, point, position, radii_follow } => Self::DragPoint {
+            C::SetPoint { light, point, setting, ignore_pins } => Self::SetPoint {
+                light: light.0,
+                point: *point,
+                parameter: setting.clone().into(),
+                ignore_pins: *ignore_pins,
+            },
+            C::DragPoint { light, point, position, radii_follow, ignore_pins } => Self::DragPoint {
                 light: light.0,
                 point: *point,
                 position: position.to_array(),
                 radii: if *radii_follow { DragRadii::Follow } else { DragRadii::Keep },
+                ignore_pins: *ignore_pins,
             },
             C::DragFeature { light, drag } => {
                 Self::DragFeature(Box::new(Drag::new(light.0, (&drag.view.camera).into(), drag)))
@@ -337,23 +384,29 @@ impl From<&document::Command> for Command {
             C::AddPin(pin) => Self::AddPin { pin: pin.into() },
             C::RemovePin(pin) => Self::RemovePin { pin: pin.0 },
             C::SetPin { pin, is_hard } => Self::SetPin { pin: pin.0, hard: *is_hard },
-            C::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
+            C::InsertPoint { light, point, position, radius, color, intensity, ignore_pins } => Self::InsertPoint {
                 light: light.0,
                 point: *point,
                 position: position.map(Into::into),
                 radius: *radius,
                 color: color.map(Into::into),
                 intensity: *intensity,
+                ignore_pins: *ignore_pins,
             },
-            C::RemovePoint { light, point } => Self::RemovePoint { light: light.0, point: *point },
-            C::BendLight { light, segments, range, cone_angle, toward } => Self::BendLight {
+            C::RemovePoint { light, point, ignore_pins } => {
+                Self::RemovePoint { light: light.0, point: *point, ignore_pins: *ignore_pins }
+            }
+            C::BendLight { light, segments, range, cone_angle, toward, ignore_pins } => Self::BendLight {
                 light: light.0,
                 segments: Some(*segments),
                 range: *range,
                 cone_angle: *cone_angle,
                 toward: toward.map(Into::into),
+                ignore_pins: *ignore_pins,
             },
-            C::StraightenLight(light) => Self::StraightenLight { light: light.0 },
+            C::StraightenLight { light, ignore_pins } => {
+                Self::StraightenLight { light: light.0, ignore_pins: *ignore_pins }
+            }
             C::AddCamera(camera) => Self::AddCamera { camera: camera.into() },
             C::RemoveCamera(camera) => Self::RemoveCamera { camera: camera.0 },
             C::PlaceCamera { camera, translation, rotation } => Self::PlaceCamera {

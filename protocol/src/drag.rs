@@ -11,7 +11,6 @@ use light::LightId;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::Camera;
 use crate::conversion::same_variants;
 use crate::vector::Vec3;
 
@@ -244,16 +243,6 @@ impl fmt::Display for NameOrIndex {
             Self::Name(name) => name.fmt(f),
         }
     }
-}
-
-/// Camera of a drag in a file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "a name, an index or a camera")]
-pub enum DragCamera {
-    /// Name or index of a camera.
-    Listed(NameOrIndex),
-    /// Camera with all its values.
-    Own(Box<Camera>),
 }
 
 /// Pin of a document, with its id.

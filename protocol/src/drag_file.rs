@@ -1,14 +1,24 @@
 //! Drag files: a JSON array of drags, and the results of such drags.
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-pub use crate::drag::{DragCamera, NameOrIndex};
+pub use crate::drag::NameOrIndex;
 use crate::error::from_json;
-use crate::{Drag, DragOutcome, FileError, Light};
+use crate::{Camera, Drag, DragOutcome, FileError, Light};
 
 /// Drag in a file. Pins of other lights have no effect on it.
 pub type FileDrag = Drag<NameOrIndex, Option<DragCamera>>;
+
+/// Camera of a drag in a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "a name, an index or a camera")]
+pub enum DragCamera {
+    /// Name or index of a camera.
+    Listed(NameOrIndex),
+    /// Camera with all its values.
+    Own(Box<Camera>),
+}
 
 /// Result of a drag in a file.
 #[derive(Clone, Debug, Serialize, JsonSchema)]

@@ -41,8 +41,8 @@ mod vector;
 mod words;
 
 pub use self::drag::{
-    DocumentPin, Drag, DragAlternative, DragCamera, DragChoice, DragKind, DragLimit, DragOutcome, DragRadii,
-    DragReason, DragStatus, Pin, PinKind, PinTarget,
+    DocumentPin, Drag, DragAlternative, DragChoice, DragKind, DragLimit, DragOutcome, DragRadii, DragReason,
+    DragStatus, Pin, PinKind, PinTarget,
 };
 pub use self::light::Light;
 pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};

@@ -17,7 +17,7 @@ fn owner(mirror: &Mirror, light: u64) -> ParameterOwner {
 }
 
 fn bend(light: u64) -> Command {
-    Command::BendLight { light, segments: None, range: None, cone_angle: None, toward: None }
+    Command::BendLight { light, segments: None, range: None, cone_angle: None, toward: None, ignore_pins: false }
 }
 
 /// Range in a record's command, if that bends a light.
@@ -39,8 +39,10 @@ fn a_light_bends_in_place_without_a_pixel_changing() {
     ada.open_view();
     let (light, start) = (ada.light(), ada.seq);
     let curved = ada.settled(start);
-    ada.edited(Command::StraightenLight { light });
-    ada.edited(Command::SetLight { light, parameter: RANGE.to(None).into() }).seq().expect("committed");
+    ada.edited(Command::StraightenLight { light, ignore_pins: false });
+    ada.edited(Command::SetLight { light, parameter: RANGE.to(None).into(), ignore_pins: false })
+        .seq()
+        .expect("committed");
     assert_eq!(owner(&ada, light), ParameterOwner::Spot);
     let straight = ada.settled(ada.seq);
     let visibly = apart(&curved, &straight);
@@ -75,7 +77,7 @@ fn a_light_bends_in_place_without_a_pixel_changing() {
 fn commands_after_a_bend_are_carried_out_after_it() {
     let (server, [mut ada]) = Server::start_with(["ada"]);
     let (light, seq) = (ada.light(), ada.seq);
-    let straighten = || Command::StraightenLight { light };
+    let straighten = || Command::StraightenLight { light, ignore_pins: false };
     let op_ids = [straighten(), bend(light), rename(light, "bent"), straighten()].map(|command| ada.edit(command));
     let seqs = op_ids.map(|op_id| committed(&ada.result(&op_id)));
     assert_eq!(seqs, [1, 2, 3, 4].map(|after| seq + after));

@@ -135,7 +135,12 @@ fn serve_edits(client: &mut Client, shared: &Shared, number: u64, open: &mut BTr
 
 fn send(client: &mut Client, shared: &Shared, op_id: &str, edit: u64) -> Result<(), bench::BenchError> {
     let radius = 1.5 + 0.0001 * edit as f64;
-    let command = protocol::Command::SetPoint { light: shared.light, point: 2, parameter: RADIUS.to(radius).into() };
+    let command = protocol::Command::SetPoint {
+        light: shared.light,
+        point: 2,
+        parameter: RADIUS.to(radius).into(),
+        ignore_pins: false,
+    };
     let base_seq = client.welcome.seq;
     client.send(&ClientMessage::Edit { op_id: op_id.to_owned(), base_seq, command })
 }

@@ -15,7 +15,8 @@ fn drag_point(mirror: &mut Mirror, update: u64, by: [f64; 3]) {
 
 /// Sets the radius at control point 2 in a gesture.
 fn widen(mirror: &mut Mirror, update: u64, radius: f64) {
-    let command = Command::SetPoint { light: mirror.light(), point: 2, parameter: RADIUS.to(radius).into() };
+    let command =
+        Command::SetPoint { light: mirror.light(), point: 2, parameter: RADIUS.to(radius).into(), ignore_pins: false };
     mirror.update("widen", update, command);
 }
 
@@ -98,7 +99,7 @@ fn a_control_point_slides_along_the_wall() {
 
     ada.begin("drag");
     let mut dragged = |update: u64, position: [f64; 3], radii: DragRadii| {
-        ada.update("drag", update, Command::DragPoint { light, point: 2, position, radii });
+        ada.update("drag", update, Command::DragPoint { light, point: 2, position, radii, ignore_pins: false });
         let state = state_of(&mut ada, |state| state.update == update || state.status.problem().is_some());
         assert_eq!(state.status, GestureStatus::Held { refused: None });
         state.changes

@@ -30,7 +30,12 @@ fn the_history_names_the_step_the_light_and_the_actor() {
     assert_eq!(first.what, "loading “demo:vases”");
 
     ada.edited(rename(ada.light(), "sun"));
-    ben.edited(Command::SetPoint { light: ben.light(), point: 2, parameter: RADIUS.to(1.5).into() });
+    ben.edited(Command::SetPoint {
+        light: ben.light(),
+        point: 2,
+        parameter: RADIUS.to(1.5).into(),
+        ignore_pins: false,
+    });
     ada.catch_up(ben.seq);
     let both = history(&mut ada);
     assert_eq!(both.seq, ada.seq);
@@ -53,8 +58,8 @@ fn the_history_names_the_step_the_light_and_the_actor() {
 fn undo_takes_the_step_that_the_history_names() {
     let (server, [mut ada, mut ben]) = Server::start_process().with(["ada", "ben"]);
     let light = ada.light();
-    let angle = |degrees| Command::SetLight { light, parameter: CONE_ANGLE.to(degrees).into() };
-    let softness = |share| Command::SetLight { light, parameter: CONE_SOFTNESS.to(share).into() };
+    let angle = |degrees| Command::SetLight { light, parameter: CONE_ANGLE.to(degrees).into(), ignore_pins: false };
+    let softness = |share| Command::SetLight { light, parameter: CONE_SOFTNESS.to(share).into(), ignore_pins: false };
     for command in [angle(31.0), softness(0.4), angle(32.0), rename(light, "sun"), angle(33.0), softness(0.5)] {
         ada.edited(command);
     }

@@ -88,7 +88,11 @@ fn the_next_picture_is_drawn_while_one_is_encoded() {
     let (_server, mut people) = Server::start_with(["ada"]);
     open(&mut people[0], [1280, 720]);
     let light = people[0].light();
-    let dim = |update: u64| Command::SetLight { light, parameter: EXPOSURE.to(to_and_fro(update)).into() };
+    let dim = |update: u64| Command::SetLight {
+        light,
+        parameter: EXPOSURE.to(to_and_fro(update)).into(),
+        ignore_pins: false,
+    };
     let time = Duration::from_secs(5);
     let frames = drag(&mut people, time, dim);
     let work = |header: &FrameHeader| Duration::from_micros(u64::from(header.render_us) + u64::from(header.encode_us));

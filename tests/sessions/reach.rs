@@ -16,7 +16,13 @@ fn a_light_out_of_reach_is_refused_and_pictures_go_on() {
     let (server, [mut ada]) = Server::start_with(["ada"]);
     for x in [1.1e15, 3.4e38, 1e300] {
         let (light, translation) = (ada.light(), Some([x, 0.0, 0.0]));
-        let refused = ada.edited(protocol::Command::PlaceLight { light, translation, rotation: None, scale: None });
+        let refused = ada.edited(protocol::Command::PlaceLight {
+            light,
+            translation,
+            rotation: None,
+            scale: None,
+            ignore_pins: false,
+        });
         let Problem { code, message } = rejected(&refused);
         assert_eq!(*code, ErrorCode::InvalidLight);
         assert!(message.contains("1e15") && message.contains('`'), "{message}");

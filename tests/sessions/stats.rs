@@ -84,9 +84,15 @@ fn stats_name_what_an_edit_had_drawn() {
     let of_light = |light| [(Pass::ShadowMap, Some(light), Cause::Light), (Pass::Layer, Some(light), Cause::Light)];
     ada.edit(move_point(key, 2, moved(ada.point(2), [0.0, 0.2, 0.0])));
     assert_eq!(passes_run(&mut ada), [&of_light(key)[..], &[shown]].concat());
-    ada.edit(Command::PlaceLight { light: lamp, translation: Some([0.1, 3.0, 4.0]), rotation: None, scale: None });
+    ada.edit(Command::PlaceLight {
+        light: lamp,
+        translation: Some([0.1, 3.0, 4.0]),
+        rotation: None,
+        scale: None,
+        ignore_pins: false,
+    });
     assert_eq!(passes_run(&mut ada), [&of_light(lamp)[..], &[shown]].concat());
-    ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(10.0).into() });
+    ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(10.0).into(), ignore_pins: false });
     let runs = passes_run(&mut ada);
     assert!(!runs.is_empty() && runs.iter().all(|run| matches!(run.0, Pass::Sum | Pass::Display)), "{runs:?}");
     ada.move_camera([0.1, 0.0, 0.0], 2);
@@ -97,7 +103,7 @@ fn stats_name_what_an_edit_had_drawn() {
     assert!(runs.contains(&layer(key)) && runs.contains(&layer(lamp)), "{runs:?}");
 
     // The same picture again needs no drawing.
-    ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(20.0).into() });
+    ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(20.0).into(), ignore_pins: false });
     let (header, ..) = next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
     ada.send(&ClientMessage::RequestKeyFrame { frame: header.frame });
     let (again, _, stats) = next_stats(&mut ada, |_| true);

@@ -398,11 +398,11 @@ pub fn frame_pixels(header: &FrameHeader, tiles: &Tiles) -> Vec<u8> {
 }
 
 pub fn move_point(light: u64, point: usize, position: Vec3) -> Command {
-    Command::SetPoint { light, point, parameter: POSITION.to(position.into()).into() }
+    Command::SetPoint { light, point, parameter: POSITION.to(position.into()).into(), ignore_pins: false }
 }
 
 pub fn rename(light: u64, name: &str) -> Command {
-    Command::SetLight { light, parameter: NAME.to(name.into()).into() }
+    Command::SetLight { light, parameter: NAME.to(name.into()).into(), ignore_pins: false }
 }
 
 /// `position` plus `by`.

@@ -47,7 +47,7 @@ impl Dimming {
     /// Dims the spotlight by an update. Returns the next moving frame.
     fn update(&mut self, update: u64) -> (FrameHeader, Tiles) {
         let parameter = EXPOSURE.to(-(update as f64) / 4.0).into();
-        self.ada.update("dim", update, Command::SetLight { light: self.lamp, parameter });
+        self.ada.update("dim", update, Command::SetLight { light: self.lamp, parameter, ignore_pins: false });
         self.ada.frame(|header| !header.flags.is_settled)
     }
 }

@@ -14,7 +14,7 @@ fn two_clients_end_with_the_same_document() {
     for step in 0..20 {
         let shift = f64::from(step) * 0.01;
         last = ada.edit(move_point(light, 2, moved(ada.point(2), [shift, 0.0, 0.0])));
-        ben.edit(Command::SetLight { light, parameter: CONE_SOFTNESS.to(0.2 + shift).into() });
+        ben.edit(Command::SetLight { light, parameter: CONE_SOFTNESS.to(0.2 + shift).into(), ignore_pins: false });
     }
     ada.result(&last);
     let seq = ben.edited(rename(light, "key, by Ben")).seq().expect("committed");
@@ -35,7 +35,15 @@ fn edits_of_what_others_changed_are_rebased_and_outdated_numbers_rejected() {
     let (_server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     let light = ada.light();
     let known = ben.seq;
-    let insert = Command::InsertPoint { light, point: 2, position: None, radius: None, color: None, intensity: None };
+    let insert = Command::InsertPoint {
+        light,
+        point: 2,
+        position: None,
+        radius: None,
+        color: None,
+        intensity: None,
+        ignore_pins: false,
+    };
     committed(&ada.edited(insert));
     ben.catch_up(ada.seq);
 
@@ -61,7 +69,7 @@ fn undo_takes_back_ones_own_and_survives_a_restart() {
     let first_name = ada.name().to_owned();
     ada.edited(rename(light, "Ada's"));
     ben.catch_up(ada.seq);
-    ben.edited(Command::SetPoint { light, point: 2, parameter: RADIUS.to(1.5).into() });
+    ben.edited(Command::SetPoint { light, point: 2, parameter: RADIUS.to(1.5).into(), ignore_pins: false });
 
     let server = server.restart();
     let mut ada = server.connect("ada");

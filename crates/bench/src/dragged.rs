@@ -81,7 +81,7 @@ impl DragCircle {
     /// Returns the command that moves the control point to its position after an angle in radians.
     pub fn command(&self, angle: f64) -> Command {
         let parameter: PointParameter = light::parameters::POSITION.to(self.at(angle)).into();
-        Command::SetPoint { light: self.light, point: DRAGGED_POINT, parameter }
+        Command::SetPoint { light: self.light, point: DRAGGED_POINT, parameter, ignore_pins: false }
     }
 
     /// Describes the drag in a sentence for reports.

@@ -3,8 +3,10 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use document::{AssetHash, Command, CommandContext, Document, EditError, execute_command, solve_drag};
-use drag::{DragOutcome, SOLVER};
+use document::{
+    AssetHash, Command, CommandContext, Document, EditError, execute_command, needs_solution, solve_command,
+};
+use drag::{DragOutcome, SOLVER, WorkBudget};
 use edit::Session;
 use glam::DQuat;
 use light::{Light, LightId};
@@ -86,23 +88,23 @@ impl<'a> Resolver<'a> {
 
     /// Returns the document after `command`, whose drags are solved again; `None` if the scene is missing.
     fn solve_again(&mut self, before: &Document, command: &Command, seq: u64) -> Option<Result<Document, EditError>> {
-        let solved = match command {
-            Command::DragFeature { light, drag } => {
-                let bvh = match before.scene() {
-                    None => Arc::new(Bvh::new(scene::pose(scene::Scene::default()))),
-                    Some(scene) => self.bvh(scene.asset).or_else(|| {
-                        self.missing = self.missing.or(Some((seq, scene.asset)));
-                        None
-                    })?,
-                };
-                match solve_drag(before, *light, drag, &bvh) {
-                    Ok(solved) => Some(solved),
-                    Err(error) => return Some(Err(error)),
-                }
+        let mut context = CommandContext::default();
+        let solved = if needs_solution(before, command) {
+            let bvh = match before.scene() {
+                None => Arc::new(Bvh::new(scene::pose(scene::Scene::default()))),
+                Some(scene) => self.bvh(scene.asset).or_else(|| {
+                    self.missing = self.missing.or(Some((seq, scene.asset)));
+                    None
+                })?,
+            };
+            match solve_command(before, command, context.scene_bounds, &bvh, &WorkBudget::new(&|_| true)) {
+                Ok(solved) => Some(solved),
+                Err(error) => return Some(Err(error)),
             }
-            _ => None,
+        } else {
+            None
         };
-        let context = CommandContext { solved: solved.as_ref(), ..CommandContext::default() };
+        context.solved = solved.as_ref();
         Some(execute_command(before, command, context).map(|edited| edited.document))
     }
 

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use drag::{DragOutcome, DragResult, RadiusMode};
+use drag::{DragOutcome, RadiusMode};
+use light::parameters::{ROTATION, TRANSLATION};
 use light::{CheckedLight, Light, LightId, LightShape, MAX_NAME_BYTES, ParameterOwner, SceneBounds, Setting};
 use scene::Camera;
 
@@ -13,8 +14,10 @@ use crate::features::feature_drag_changes;
 use crate::naming::quoted;
 use crate::pins::{MAX_PINS, check_pin, pin_addition, pin_change, pin_removals};
 use crate::points::{point_move_changes, renumbering_change};
+use crate::solution::{check_solution, slid_light};
 use crate::{
-    AssetHash, CameraId, CameraParameter, Change, Command, Document, EditError, NumberedLight, SceneContents, SceneRef,
+    AssetHash, CameraId, CameraParameter, Change, Command, CommandSolution, Document, EditError, NumberedLight,
+    SceneContents, SceneRef,
 };
 
 /// Maximum number of lights in a document. Each has a shadow map.
@@ -31,9 +34,9 @@ pub struct CommandContext<'a> {
     pub scene_bounds: SceneBounds,
     /// Contents of the scene that a command loads; `None` if it is not available.
     pub loaded: Option<&'a SceneContents>,
-    /// Result of solving this command's drag of a feature in this document, by [`crate::solve_drag`]; `None` if it is
-    /// not available.
-    pub solved: Option<&'a DragResult>,
+    /// Part of this command's result in this document that its scene determines, by [`crate::solve_command`]; `None` if
+    /// it is not available.
+    pub solved: Option<&'a CommandSolution>,
 }
 
 /// Result of a command.
@@ -57,6 +60,7 @@ pub fn execute_command(
     context: CommandContext,
 ) -> Result<CommandResult, EditError> {
     let changes = changes_of(document, command, context)?;
+    check_solution(document, command, context.solved)?;
     let changes: Vec<_> = changes.into_iter().filter(|change| change != &change.inverse()).collect();
     let mut after = document.clone();
     after.apply(&changes)?;
@@ -64,8 +68,11 @@ pub fn execute_command(
     if !matches!(command, Command::LoadScene { .. }) {
         check_lights_are_drawable(document, &after, &changes, context.scene_bounds)?;
     }
-    let outcome = context.solved.filter(|_| matches!(command, Command::DragFeature { .. }));
-    Ok(CommandResult { changes, document: after, outcome: outcome.map(|solved| solved.outcome.clone()) })
+    let outcome = match (command, context.solved) {
+        (Command::DragFeature { .. }, Some(CommandSolution::Drag(solved))) => Some(solved.outcome.clone()),
+        _ => None,
+    };
+    Ok(CommandResult { changes, document: after, outcome })
 }
 
 fn changes_of(document: &Document, command: &Command, context: CommandContext) -> Result<Vec<Change>, EditError> {
@@ -76,29 +83,35 @@ fn changes_of(document: &Document, command: &Command, context: CommandContext) -
             let gone = Change::Light { light: *id, old: Some(light(document, *id)?.clone()), new: None };
             [vec![gone], pin_removals(document, |pin| pin.light == *id)].concat()
         }
-        Command::PlaceLight { light: id, translation, rotation, scale } => {
+        Command::PlaceLight { light: id, translation, rotation, scale, .. } => {
             light(document, *id)?;
+            let slid = slid_light(context.solved).map(CheckedLight::light);
             let settings = [
-                translation.map(|translation| light::parameters::TRANSLATION.to(translation)),
-                rotation.map(|rotation| light::parameters::ROTATION.to(rotation)),
+                translation.map(|to| TRANSLATION.to(slid.map_or(to, |slid| slid.get(TRANSLATION)))),
+                rotation.map(|to| ROTATION.to(slid.map_or(to, |slid| slid.get(ROTATION)))),
                 scale.map(|scale| light::parameters::SCALE.to(scale)),
             ];
             let changes = settings.into_iter().flatten().map(|setting| light_change(document, *id, setting));
             changes.collect::<Result<_, _>>()?
         }
-        Command::SetLight { light: id, setting } => vec![light_change(document, *id, setting.clone())?],
-        Command::SetPoint { light: id, point, setting } => {
+        Command::SetLight { light: id, setting, .. } => vec![light_change(document, *id, setting.clone())?],
+        Command::SetPoint { light: id, point, setting, .. } => {
             vec![point_change(document, *id, *point, setting.clone())?]
         }
-        Command::DragPoint { light: id, point, position, radii_follow } => {
+        Command::DragPoint { light: id, point, position, radii_follow, .. } => {
             // Gives the errors of a set position, and the change if there is nothing to solve, as for NaN.
             let set = point_change(document, *id, *point, light::parameters::POSITION.to(*position))?;
             let radii = if *radii_follow { RadiusMode::Follow } else { RadiusMode::Keep };
             let placed = light(document, *id)?;
-            match drag::slide_point(&placed.light, *point, *position, radii) {
+            let slid = slid_light(context.solved).cloned();
+            let slid = slid.or_else(|| {
+                let slide = drag::slide_point(&placed.light, *point, *position, radii)?;
+                Some(slide.light)
+            });
+            match slid {
                 // The change of the dragged point comes first, since the description of a step names its first change.
                 Some(slid) => {
-                    let moved = point_move_changes(*id, placed, slid.light.light().points());
+                    let moved = point_move_changes(*id, placed, slid.light().points());
                     let (dragged, others): (Vec<_>, Vec<_>) =
                         moved.into_iter().partition(|change| change.overrides(&set));
                     [dragged, others].concat()
@@ -108,7 +121,9 @@ fn changes_of(document: &Document, command: &Command, context: CommandContext) -
         }
         Command::DragFeature { light: id, .. } => {
             let placed = light(document, *id)?;
-            let solved = context.solved.ok_or_else(|| EditError::DragNotSolved(document.light_name(*id)))?;
+            let Some(CommandSolution::Drag(solved)) = context.solved else {
+                return Err(EditError::NotSolved(document.light_name(*id)));
+            };
             feature_drag_changes(document, *id, placed, solved)?
         }
         Command::AddPin(pin) => vec![pin_addition(document, pin)?],
@@ -120,11 +135,11 @@ fn changes_of(document: &Document, command: &Command, context: CommandContext) -
         Command::InsertPoint { light, .. } | Command::RemovePoint { light, .. } => {
             vec![renumbering_change(document, *light, bendy_light(document, *light)?, command)?]
         }
-        Command::BendLight { light: id, segments, range, cone_angle, toward } => {
+        Command::BendLight { light: id, segments, range, cone_angle, toward, .. } => {
             let bending = BendRequest { segments: *segments, range: *range, cone_angle: *cone_angle, toward: *toward };
             vec![reshape_change(document, *id, light(document, *id)?, |straight| bending.bend(straight))?]
         }
-        Command::StraightenLight(id) => {
+        Command::StraightenLight { light: id, .. } => {
             vec![reshape_change(document, *id, light(document, *id)?, light::straighten)?]
         }
         Command::AddCamera(camera) => {

@@ -79,13 +79,13 @@ impl BendRequest {
 
 /// Fills in the values of `command` that depend on the scene, so that a log of it needs no scene.
 pub fn fill_in_from_scene(command: Command, document: &Document, bvh: &Bvh) -> Command {
-    let Command::BendLight { light: id, segments, range, cone_angle, toward } = command else {
+    let Command::BendLight { light: id, segments, range, cone_angle, toward, ignore_pins } = command else {
         return command;
     };
     let Some(placed) = document.lights.get(&id) else { return command };
     let request = BendRequest { segments, range, cone_angle, toward };
     let BendRequest { segments, range, cone_angle, toward } = request.filled_in_from_scene(placed.light.light(), bvh);
-    Command::BendLight { light: id, segments, range, cone_angle, toward }
+    Command::BendLight { light: id, segments, range, cone_angle, toward, ignore_pins }
 }
 
 /// Changes the shape of a light under its id. Its control points get a new numbering.

@@ -104,9 +104,9 @@ pub enum EditError {
     /// Drag in a picture without pixels, or from or to a position that is not finite.
     #[error("a drag is made in a picture: give its size, 1 or more each way, and where it begins and ends")]
     EmptyViewport,
-    /// Drag of a feature without its scene. The field is the light's name.
-    #[error("the scene is not at hand, and where {0} lies in it unknown: send the drag again")]
-    DragNotSolved(String),
+    /// Drag of a feature, or edit of a light with hard pins, without its scene. The field is the light's name.
+    #[error("the scene is not at hand, and where {0} lies in it unknown: send the edit again")]
+    NotSolved(String),
     /// Feature that cannot be dragged.
     #[error("{light}: {}", sentence(*reason))]
     DragRefused {
@@ -129,6 +129,14 @@ pub enum EditError {
          soft"
     )]
     PinLimits {
+        /// Light by its [`Document::light_name`](crate::Document::light_name).
+        light: String,
+        /// Condition of the pin, in quotes.
+        pin: String,
+    },
+    /// Hard pin that an edit other than a drag of a feature would break.
+    #[error("{light}: its pin {pin} would no longer hold: change less, remove the pin, make it soft, or ignore pins")]
+    PinBreaks {
         /// Light by its [`Document::light_name`](crate::Document::light_name).
         light: String,
         /// Condition of the pin, in quotes.

@@ -30,19 +30,24 @@ pub enum Command {
         rotation: Option<DQuat>,
         /// World units per light-local unit.
         scale: Option<f64>,
+        /// True if the command may break hard pins, as in the other commands that have it. Otherwise the light comes as
+        /// near to the place as they allow.
+        ignore_pins: bool,
     },
     /// Sets one parameter of a light.
     SetLight {
         light: LightId,
         setting: Setting,
+        ignore_pins: bool,
     },
     SetPoint {
         light: LightId,
         point: usize,
         setting: Setting,
+        ignore_pins: bool,
     },
-    /// Drags a control point. It moves as near to `position` as it can without a fold of the tube. The result depends
-    /// on the light in the document.
+    /// Drags a control point. It moves as near to `position` as it can without a fold of the tube and without breaking a
+    /// hard pin. The result depends on the light in the document, and with hard pins on the scene.
     DragPoint {
         light: LightId,
         /// Index of the point, 1 or more.
@@ -51,6 +56,7 @@ pub enum Command {
         position: DVec3,
         /// True if radii that would fold the tube shrink, so that they do not limit the point.
         radii_follow: bool,
+        ignore_pins: bool,
     },
     /// Drags a feature of the light to another point of a picture: a shadow, a hotspot, a highlight or the brightest
     /// side of a surface. The light moves or bends until the feature is as near as possible. [`crate::solve_drag`]
@@ -59,13 +65,13 @@ pub enum Command {
         light: LightId,
         drag: Box<Drag>,
     },
-    /// Adds a pin, which keeps a feature of its light unchanged in drags.
+    /// Adds a pin, which keeps a feature of its light unchanged. A hard one does so in every edit, a soft one in drags.
     AddPin(LightPin),
     RemovePin(PinId),
     /// Makes a pin hard or soft.
     SetPin {
         pin: PinId,
-        /// True if the pin is kept in every drag. False if it is kept only as far as the drag allows.
+        /// True if every edit keeps the pin. False if only drags of features do, as far as they can.
         is_hard: bool,
     },
     /// Adds a control point that gets the index `point`, 1 to the number of points.
@@ -84,10 +90,12 @@ pub enum Command {
         radius: Option<f64>,
         color: Option<DVec3>,
         intensity: Option<f64>,
+        ignore_pins: bool,
     },
     RemovePoint {
         light: LightId,
         point: usize,
+        ignore_pins: bool,
     },
     /// Makes a straight light a BendyLight under the same id. A bent spotlight lights every point as before. An omni or
     /// directional light is first made a spotlight by [`light::as_spotlight`].
@@ -104,9 +112,13 @@ pub enum Command {
         /// World position at which an omni or directional light then shines. [`crate::fill_in_from_scene`] fills in
         /// `None`; otherwise the light shines along its own -Z.
         toward: Option<DVec3>,
+        ignore_pins: bool,
     },
     /// Makes a BendyLight a spotlight under the same id, from its source to its last control point.
-    StraightenLight(LightId),
+    StraightenLight {
+        light: LightId,
+        ignore_pins: bool,
+    },
     AddCamera(Camera),
     RemoveCamera(CameraId),
     /// Places a camera. Values that are `None` stay.
@@ -140,6 +152,7 @@ impl Command {
     pub fn light(&self) -> Option<LightId> {
         match *self {
             Self::RemoveLight(light)
+            | Self::StraightenLight { light, .. }
             | Self::PlaceLight { light, .. }
             | Self::SetLight { light, .. }
             | Self::SetPoint { light, .. }
@@ -147,8 +160,7 @@ impl Command {
             | Self::DragFeature { light, .. }
             | Self::InsertPoint { light, .. }
             | Self::RemovePoint { light, .. }
-            | Self::BendLight { light, .. }
-            | Self::StraightenLight(light) => Some(light),
+            | Self::BendLight { light, .. } => Some(light),
             Self::LoadScene { .. }
             | Self::AddLight(_)
             | Self::AddPin(_)

@@ -3,21 +3,21 @@
 use std::collections::BTreeSet;
 use std::mem::discriminant;
 
-use drag::{DragOutcome, DragResult};
+use drag::DragOutcome;
 use light::{LightId, SceneBounds};
 
 use crate::{
-    CameraId, Change, Command, CommandContext, ControlPoints, Document, EditError, NumberedLight, PinId,
-    execute_command,
+    CameraId, Change, Command, CommandContext, CommandSolution, ControlPoints, Document, EditError, NumberedLight,
+    PinId, execute_command,
 };
 
-/// Command of a group, with the solution of its drag.
+/// Command of a group, with the part of its result that the scene determines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupedCommand {
     /// Command, for the document as the commands before it leave it.
     pub command: Command,
-    /// Result of the command's drag of a feature for that document, as in [`CommandContext::solved`].
-    pub solved: Option<DragResult>,
+    /// Solution of the command in that document, as in [`CommandContext::solved`].
+    pub solved: Option<CommandSolution>,
 }
 
 /// Result of the commands of a group.

@@ -3,10 +3,10 @@
 //! A document has no geometry: it holds the name of its scene and the hash of the scene's bytes. [`execute_command`]
 //! turns a [`Command`] into [`Change`]s, each of one property with its old and new value. [`Document::apply`] applies
 //! changes, and [`Document::hash`] identifies the content. The crate knows no log, no file and no clock. Drags of
-//! features and bending take a posed scene from the caller.
+//! features, bending, and edits of lights with hard pins take a posed scene from the caller.
 //!
-//! Begin with [`Command`], [`Change`] and [`Document`], then `apply.rs` (commands into changes) and `features.rs`
-//! (drags).
+//! Begin with [`Command`], [`Change`] and [`Document`], then `apply.rs` (commands into changes), `features.rs` (drags)
+//! and `solve.rs` (hard pins).
 
 mod apply;
 mod bending;
@@ -23,6 +23,8 @@ mod parameters;
 mod pin;
 mod pins;
 mod points;
+mod solution;
+mod solve;
 
 pub use apply::{CommandContext, CommandResult, MAX_CAMERAS, MAX_LIGHTS, execute_command};
 pub use bending::{BendRequest, DEFAULT_BEND_SEGMENTS, axis_length, fill_in_from_scene};
@@ -40,3 +42,5 @@ pub use naming::describe_changes;
 pub use parameters::{ParameterTarget, parameters};
 pub use pin::{LightPin, PinId};
 pub use pins::MAX_PINS;
+pub use solution::{CommandSolution, checks_pins, needs_solution};
+pub use solve::solve_command;

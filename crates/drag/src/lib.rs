@@ -20,6 +20,7 @@ mod chain;
 mod convex_step;
 mod drag;
 mod dragged_feature;
+mod held_pins;
 mod landing;
 mod linked_copy;
 mod matrix;
@@ -29,6 +30,7 @@ mod past_caster;
 mod picture_change;
 mod picture_metric;
 mod pin_state;
+mod pinned_slide;
 mod pins;
 mod point_in_light;
 mod problem;
@@ -42,6 +44,8 @@ mod work;
 
 pub use drag::{drag, drag_alternatives, drag_budgeted, drag_least_change};
 pub use dragged_feature::highlight_near;
+pub use held_pins::first_broken_pin;
+pub use pinned_slide::{place_along_pins, slide_point_along_pins};
 pub use request::{
     Alternative, Drag, DragChoice, DragLimit, DragOutcome, DragPin, DragRefusal, DragResult, DragStatus, Feature,
     LightCopy, NumberedPin, PinKind, PinTarget, RadiusMode, Viewport,

@@ -17,8 +17,10 @@ pub(crate) enum Unknowns {
     /// Placement: a translation in `unit` world units (three numbers) and a rotation about the source in radians
     /// (three).
     Rigid { unit: f64 },
-    /// Rotation alone, for a directional light.
+    /// Rotation alone, for a directional light, or for a light that is placed by its rotation alone.
     Turn,
+    /// Translation alone in `unit` world units, for a light that is placed by its translation alone.
+    Move { unit: f64 },
     /// Control points: for each an offset in `unit` light-local units (three numbers), and with [`RadiusMode::Solve`]
     /// also the change of its radius (one number).
     Points { points: Vec<usize>, radii: RadiusMode, unit: f64 },
@@ -29,7 +31,7 @@ impl Unknowns {
     pub fn count(&self) -> usize {
         match self {
             Self::Rigid { .. } => 6,
-            Self::Turn => 3,
+            Self::Turn | Self::Move { .. } => 3,
             Self::Points { points, radii, .. } => points.len() * if *radii == RadiusMode::Solve { 4 } else { 3 },
         }
     }
@@ -53,6 +55,7 @@ impl Unknowns {
         match self {
             Self::Rigid { unit } => (translation + DVec3::from_slice(&x[..3]) * *unit, turned(&x[3..])),
             Self::Turn => (translation, turned(x)),
+            Self::Move { unit } => (translation + DVec3::from_slice(x) * *unit, rotation),
             Self::Points { .. } => (translation, rotation),
         }
     }

@@ -44,6 +44,8 @@ pub(crate) struct PinState {
     /// Caster point of a pinned shadow in scene space, and its `t` at the start of the drag.
     pub pivot: Option<(DVec3, f64)>,
     pub contact: Contact,
+    /// Node of the surface at the point; `None` if there is no surface.
+    pub node: Option<usize>,
     /// True for one of many points of a pinned node.
     pub is_of_node: bool,
     /// True if the point has to stay lit, false if it has to stay in a shadow; `None` if neither.
@@ -84,6 +86,7 @@ impl PinState {
             shadow_point: point + normals[0] * offset,
             pivot: None,
             contact,
+            node: surface.map(|surface| bvh.triangles[surface.triangle].node),
             is_of_node,
             stays_lit: None,
         };

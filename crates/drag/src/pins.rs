@@ -20,6 +20,9 @@ const NODE_PIN_COMPLIANCE: f64 = 3e-4;
 const NODE_CANDIDATES: u32 = 256;
 const POINTS_OF_NODE: usize = 48;
 
+/// Number of points of a node's surface that are tried without a picture. Most of a large node may lie outside the light.
+const SURFACE_CANDIDATES: u32 = 2048;
+
 /// Pins of a drag, as states of points. A pin of a node has one for each of its points.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pins {
@@ -46,31 +49,59 @@ impl Pins {
     ) -> Result<Self, DragRefusal> {
         let mut made = Self::default();
         for pin in pins {
-            let begin = made.states.len();
-            match &pin.pin.at {
-                PinTarget::Point(at) => {
-                    let compliance = if pin.pin.is_hard { 0.0 } else { SOFT_PIN_COMPLIANCE };
-                    let point = at - placed.origin_in_world;
-                    made.states.extend(PinState::if_held(occlusion, placed, pin, point, compliance));
-                }
-                PinTarget::Node(node) => {
-                    let node = node_named(&occlusion.bvh.posed, node);
-                    let points = node.map_or_else(Vec::new, |node| points_of_node(occlusion, view, node));
-                    let compliance = if pin.pin.is_hard { NODE_PIN_COMPLIANCE } else { SOFT_PIN_COMPLIANCE };
-                    let compliance = compliance * points.len() as f64;
-                    let held =
-                        points.iter().filter_map(|point| PinState::if_held(occlusion, placed, pin, *point, compliance));
-                    made.states.extend(held);
-                    if pin.pin.is_hard {
-                        made.nodes.push(NodePin { number: pin.number, states: begin..made.states.len() });
-                    }
-                }
-            }
-            if made.states.len() == begin && pin.pin.is_hard {
+            let is_held = made.add(occlusion, placed, pin, |node| points_of_node(occlusion, view, node));
+            if !is_held && pin.pin.is_hard {
                 return Err(DragRefusal::PinDoesNotHold(pin.number));
             }
         }
         Ok(made)
+    }
+
+    /// Makes the states of the pins that hold, without a picture.
+    pub fn without_picture<'p>(
+        occlusion: &Occlusion,
+        placed: &SceneLight,
+        pins: impl IntoIterator<Item = &'p NumberedPin>,
+    ) -> Self {
+        let mut made = Self::default();
+        for pin in pins {
+            made.add(occlusion, placed, pin, |node| points_on_node(occlusion, placed, node));
+        }
+        made
+    }
+
+    /// Adds the states of a pin, on the `points` of a node if it is pinned. Returns false if the pin does not hold.
+    fn add(
+        &mut self,
+        occlusion: &Occlusion,
+        placed: &SceneLight,
+        pin: &NumberedPin,
+        points: impl FnOnce(usize) -> Vec<DVec3>,
+    ) -> bool {
+        let begin = self.states.len();
+        match &pin.pin.at {
+            PinTarget::Point(at) => {
+                let compliance = if pin.pin.is_hard { 0.0 } else { SOFT_PIN_COMPLIANCE };
+                let point = at - placed.origin_in_world;
+                self.states.extend(PinState::if_held(occlusion, placed, pin, point, compliance));
+            }
+            PinTarget::Node(node) => {
+                let points = node_named(&occlusion.bvh.posed, node).map_or_else(Vec::new, points);
+                let compliance = if pin.pin.is_hard { NODE_PIN_COMPLIANCE } else { SOFT_PIN_COMPLIANCE };
+                let compliance = compliance * points.len() as f64;
+                let held =
+                    points.iter().filter_map(|point| PinState::if_held(occlusion, placed, pin, *point, compliance));
+                self.states.extend(held);
+            }
+        }
+        let states = begin..self.states.len();
+        if states.is_empty() {
+            return false;
+        }
+        if pin.pin.is_hard && matches!(pin.pin.at, PinTarget::Node(_)) {
+            self.nodes.push(NodePin { number: pin.number, states });
+        }
+        true
     }
 
     /// Copies the hard pins.
@@ -99,12 +130,7 @@ impl Pins {
 /// finds points anywhere on their surfaces.
 pub(crate) fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: usize) -> Vec<DVec3> {
     let (bvh, posed) = (occlusion.bvh, &occlusion.bvh.posed);
-    let nodes = &posed.scene.nodes;
-    if !occlusion.work.spend(bvh.triangles.len() as u64) {
-        return Vec::new();
-    }
-    let parents = |index: usize| std::iter::successors(Some(index), |index| nodes[*index].parent);
-    let is_of_node: Vec<bool> = (0..nodes.len()).map(|index| parents(index).any(|parent| parent == node)).collect();
+    let Some(is_of_node) = nodes_under(occlusion, node) else { return Vec::new() };
     let origin = posed.origin_in_world;
     let triangles: Vec<_> = bvh.triangles.iter().filter(|triangle| is_of_node[triangle.node]).collect();
     let corners = triangles.iter().flat_map(|triangle| triangle.corners);
@@ -123,6 +149,46 @@ pub(crate) fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: usize
     }
     let apart = triangles.len().div_ceil(POINTS_OF_NODE).max(1);
     triangles.iter().step_by(apart).map(|triangle| triangle.corners.iter().sum::<DVec3>() / 3.0).collect()
+}
+
+/// Finds points on the surfaces of a node and of those below it that lie in the light, in proportion to area.
+fn points_on_node(occlusion: &Occlusion, light: &SceneLight, node: usize) -> Vec<DVec3> {
+    let Some(is_of_node) = nodes_under(occlusion, node) else { return Vec::new() };
+    let triangles: Vec<_> = occlusion.bvh.triangles.iter().filter(|triangle| is_of_node[triangle.node]).collect();
+    let mut area = 0.0;
+    // Area of the triangles up to and including each.
+    let areas: Vec<f64> = triangles
+        .iter()
+        .map(|triangle| {
+            area += 0.5 * triangle.normal().length();
+            area
+        })
+        .collect();
+    // A point, and true if its side faces the light.
+    let point_at = |number: u32| {
+        let at = low_discrepancy(number);
+        let index = areas.partition_point(|up_to| *up_to <= at.x * area);
+        let triangle = triangles.get(index)?;
+        let before = index.checked_sub(1).map_or(0.0, |before| areas[before]);
+        // Uniform in the triangle, from two numbers that are uniform in 0 to 1.
+        let root = ((at.x * area - before) / (areas[index] - before)).clamp(0.0, 1.0).sqrt();
+        let point = triangle.position_at(DVec3::new(1.0 - root, root * (1.0 - at.y), root * at.y));
+        let coords = light.locate(point, None).filter(|coords| light.contains(coords))?;
+        Some((point, triangle.normal().dot(coords.to_light) > 0.0))
+    };
+    let (towards, away): (Vec<_>, Vec<_>) =
+        (0..SURFACE_CANDIDATES).filter_map(point_at).partition(|(_, faces_light)| *faces_light);
+    // The side that is turned away stays dark whatever happens, and would hide that the other changes.
+    let chosen = if towards.is_empty() { away } else { towards };
+    chosen.into_iter().map(|(point, _)| point).take(POINTS_OF_NODE).collect()
+}
+
+/// Returns for each node if it is `node` or below it. `None` if the budget is spent.
+pub(crate) fn nodes_under(occlusion: &Occlusion, node: usize) -> Option<Vec<bool>> {
+    let nodes = &occlusion.bvh.posed.scene.nodes;
+    let parents = |index: usize| std::iter::successors(Some(index), |index| nodes[*index].parent);
+    let is_under = |index: usize| parents(index).any(|parent| parent == node);
+    occlusion.work.spend(occlusion.bvh.triangles.len() as u64).then(|| (0..nodes.len()).map(is_under).collect())
 }
 
 /// Returns the first node with a name or path.

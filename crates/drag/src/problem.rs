@@ -47,6 +47,8 @@ pub(crate) enum Objective<'a> {
     Feature(&'a TakenFeature),
     /// Moves a control point towards a position in light-local space, as near as the bounds allow.
     Position { point: usize, to: DVec3 },
+    /// Changes the unknowns, those of a placement, by this much, or as nearly as the bounds allow.
+    Placement(&'a [f64]),
 }
 
 /// Objective, unknowns and constraints of a drag.
@@ -134,12 +136,17 @@ impl<'a> Problem<'a> {
         let (mut equations, mut rows, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
         let mut tracked = Tracked { pins: Vec::with_capacity(near.pins.len()), ..near.clone() };
         let mut of_feature = 0;
-        if let Objective::Position { point, to } = self.objective {
-            rows.extend(self.unknowns.position_error(self.start.light(), x, point, to, share).to_array());
-            bounds = self.bounds_of_segments(x, point)?;
+        match self.objective {
+            Objective::Feature(_) => {}
+            Objective::Position { point, to } => {
+                rows.extend(self.unknowns.position_error(self.start.light(), x, point, to, share).to_array());
+                bounds = self.bounds_of_segments(x, point)?;
+            }
+            Objective::Placement(whole) => rows.extend(x.iter().zip(whole).map(|(x, whole)| x - whole * share)),
         }
         // A control point without pins needs no tube.
-        if matches!(self.objective, Objective::Feature(_)) || !self.pins.states.is_empty() {
+        let is_of_feature = matches!(self.objective, Objective::Feature(_));
+        if is_of_feature || !self.pins.states.is_empty() {
             let rays = self.rays(x)?;
             let placed = self.scene_light.with(&rays);
             if let Objective::Feature(taken) = self.objective {
@@ -152,7 +159,9 @@ impl<'a> Problem<'a> {
             for (pin, near) in self.pins.states.iter().zip(&near.pins) {
                 let (at, coords) = pin.add_rows(&placed, *near, &mut bounds, |row| match row {
                     PinRow::Equation(error) => equations.push(error),
-                    PinRow::Soft(error) => rows.push(error),
+                    // Soft errors of a hard pin weigh against the picture, not against a place that is asked for.
+                    PinRow::Soft(error) if is_of_feature || pin.is_of_node => rows.push(error),
+                    PinRow::Soft(_) => {}
                 })?;
                 tracked.pins.push(at);
                 for tangent in self.tangents.iter().filter(|tangent| tangent.pin() == Some(pin.number)) {
@@ -208,7 +217,7 @@ impl<'a> Problem<'a> {
         let of_a_point = match &self.unknowns {
             Unknowns::Points { radii: RadiusMode::Follow, .. } => STEPS_OF_POINT + STEPS_OF_FOLLOWING,
             Unknowns::Points { .. } => STEPS_OF_POINT,
-            Unknowns::Rigid { .. } | Unknowns::Turn => STEPS_OF_COPY,
+            Unknowns::Rigid { .. } | Unknowns::Turn | Unknowns::Move { .. } => STEPS_OF_COPY,
         };
         self.work().spend(of_a_point * points).then(|| self.unknowns.rays(self.start, x))?
     }

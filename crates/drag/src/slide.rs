@@ -1,7 +1,7 @@
 //! Dragged control points, which slide along the limits of their light.
 
 use glam::DVec3;
-use light::CheckedLight;
+use light::{CheckedLight, ControlPoint};
 
 use crate::chain::{ChainEnd, ChainRule, follow};
 use crate::convex_step::StepWeights;
@@ -14,7 +14,7 @@ use crate::request::{DragLimit, RadiusMode};
 use crate::work::WorkBudget;
 
 /// Chain along the way of a control point. The steps are light, since the way itself is the wish.
-const RULE: ChainRule = ChainRule {
+pub(crate) const RULE: ChainRule = ChainRule {
     sub_steps: 32,
     end_steps: 16,
     weights: StepWeights { change: 0.0, step: 0.1 },
@@ -23,19 +23,20 @@ const RULE: ChainRule = ChainRule {
 };
 
 /// Number of times that an interval is halved to find the last place of the straight way before a limit.
-const LIMIT_HALVINGS: usize = 20;
+pub(crate) const LIMIT_HALVINGS: usize = 20;
 
 /// Number of parts of the way after that place that are tried from the target backwards.
-const PARTS: u32 = 8;
+pub(crate) const PARTS: u32 = 8;
 
-/// Result of a dragged control point.
+/// Result of a dragged control point, or of a light that is placed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slide {
     /// A light that can be evaluated.
     pub light: CheckedLight,
-    /// Limit that keeps the control point from its target; `None` if the point has reached its target.
+    /// Limit that keeps the control point or the light from its target; `None` if the target is reached.
     pub limit: Option<DragLimit>,
-    /// Distance of the control point from its target, in light-local units.
+    /// Distance of the control point from its target, in light-local units, or of the placed light's source, in world
+    /// units.
     pub distance_left: f64,
 }
 
@@ -52,7 +53,7 @@ pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusM
         return None;
     }
     light.tube()?;
-    let unit = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
+    let unit = polyline_length(points);
     let unknowns = Unknowns::Points { points: vec![point], radii, unit };
     let (work, metric, pins) = (WorkBudget::new(&|_| true), PictureMetric::default(), Pins::default());
     let scene_light = SceneLight::new(light.rays(), DVec3::ZERO, DVec3::ZERO, &work);
@@ -89,4 +90,9 @@ pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusM
     let (light, limit) = slid.unwrap_or((straight, DragLimit::Fold));
     let distance_left = distance_left(&light);
     Some(Slide { light, limit: Some(limit), distance_left })
+}
+
+/// Returns the length of the polyline through control points, in light-local units.
+pub(crate) fn polyline_length(points: &[ControlPoint]) -> f64 {
+    points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum()
 }

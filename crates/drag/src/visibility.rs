@@ -28,7 +28,7 @@ const HELD_TOLERANCE: f64 = 1e-6;
 /// Least share of the points of a pinned node that must look as before. They do within 6 steps of 255 of the brightness
 /// that displays show, so that nine in ten of all its pixels do within 8, and within an angle in radians or a distance in
 /// radii.
-const LEAST_SHARE_OF_NODE: f64 = 0.9;
+pub(crate) const LEAST_SHARE_OF_NODE: f64 = 0.9;
 const NODE_BRIGHTNESS: f64 = 6.0 / 255.0;
 const NODE_TURN: f64 = 0.05;
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use document::{
     Change, Command, CommandContext, Document, EditError, GroupResult, GroupedCommand, execute_command, execute_group,
+    needs_solution,
 };
 use light::LightId;
 use rpds::RedBlackTreeMapSync;
@@ -120,14 +121,14 @@ impl Session {
     }
 
     /// Restores the document and history of `before`, an earlier state of this session. Gestures in progress stay, and
-    /// what they change is computed again. Drags of features need the scene for that. They keep their present state
-    /// instead.
+    /// what they change is computed again. Drags of features and of lights with hard pins need the scene for that. They
+    /// keep their present state instead.
     pub fn roll_back_to(&mut self, before: Self, context: CommandContext) {
         let gestures = std::mem::take(&mut self.gestures);
         *self = Self { gestures, ..before };
         for gesture in self.gestures.values_mut() {
             if let Some(command) = &gesture.command
-                && !matches!(command, Command::DragFeature { .. })
+                && !needs_solution(&self.document, command)
             {
                 gesture.live = LiveLight::of(gesture.light, &self.document, command, context).ok();
             }

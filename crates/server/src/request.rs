@@ -1,6 +1,6 @@
 //! Requests of clients and programs, converted from their messages.
 
-use document::{Command, Document, EditError};
+use document::{Command, Document, EditError, needs_solution};
 use edit::{Actor, UndoScope};
 use light::LightId;
 use protocol::{ClientMessage, Interaction, ProbeCamera, ViewSource};
@@ -164,6 +164,7 @@ pub enum RequestedCommand {
         target: String,
         /// Value like that of [`protocol::Command::Set`].
         value: serde_json::Value,
+        ignore_pins: bool,
     },
 }
 
@@ -172,30 +173,42 @@ impl RequestedCommand {
     pub fn of(&self, document: &Document) -> Result<Command, ServerError> {
         match self {
             Self::Command(command) => Ok(command.clone()),
-            Self::Set { target, value } => {
-                let target = document.address_by_id(target)?;
-                Ok(protocol::Command::Set { target, value: value.clone() }.try_into()?)
+            Self::Set { target, value, ignore_pins } => {
+                let (target, ignore_pins) = (document.address_by_id(target)?, *ignore_pins);
+                Ok(protocol::Command::Set { target, value: value.clone(), ignore_pins }.try_into()?)
             }
+        }
+    }
+
+    /// Returns the command if it depends on the scene ([`needs_scene`]) in `document`.
+    pub fn if_it_needs_scene(&self, document: &Document) -> Option<Command> {
+        match self {
+            Self::Command(command) => needs_scene(command, document).then(|| command.clone()),
+            // Without hard pins there is nothing to look up.
+            Self::Set { .. } if document.pins().values().any(|held| held.pin.is_hard) => {
+                self.of(document).ok().filter(|command| needs_scene(command, document))
+            }
+            Self::Set { .. } => None,
         }
     }
 }
 
 impl RecordRequest {
-    /// True if the request depends on the scene ([`needs_scene`]), unless it was carried out before.
-    pub fn needs_scene(&self) -> bool {
+    /// True if the request depends on the scene ([`needs_scene`]) in `document`, unless it was carried out before.
+    pub fn needs_scene(&self, document: &Document) -> bool {
         let edits = match &self.request {
             Ok(RecordAction::Edit(edit)) => std::slice::from_ref(edit),
             Ok(RecordAction::Group(edits)) => edits,
             _ => &[],
         };
-        edits.iter().any(|edit| matches!(&edit.command, RequestedCommand::Command(command) if needs_scene(command)))
+        edits.iter().any(|edit| edit.command.if_it_needs_scene(document).is_some())
     }
 }
 
-/// True if only the scene determines the result of a command, which takes a while: the result of a feature drag, or the
-/// range of a light that is bent.
-pub fn needs_scene(command: &Command) -> bool {
-    matches!(command, Command::DragFeature { .. } | Command::BendLight { .. })
+/// True if only the scene determines the result of a command, which takes a while: the result of a feature drag, the
+/// range of a light that is bent, or the hard pins that an edit keeps.
+pub fn needs_scene(command: &Command, document: &Document) -> bool {
+    matches!(command, Command::BendLight { .. }) || needs_solution(document, command)
 }
 
 /// Converts a message of a client. The caller makes an error a `ClientRequest::Invalid`, which the session answers in the
@@ -272,8 +285,8 @@ pub async fn requested_edit(
     base_seq: Option<u64>,
     scenes: &SceneCache,
 ) -> Result<RequestedEdit, ServerError> {
-    if let protocol::Command::Set { target, value } = command {
-        return Ok(RequestedEdit { base_seq, command: RequestedCommand::Set { target, value } });
+    if let protocol::Command::Set { target, value, ignore_pins } = command {
+        return Ok(RequestedEdit { base_seq, command: RequestedCommand::Set { target, value, ignore_pins } });
     }
     if let protocol::Command::LoadScene { scene, name } = &mut command {
         name.as_deref().map_or(Ok(()), check_scene_name)?;

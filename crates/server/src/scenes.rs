@@ -5,8 +5,7 @@ use std::io::{self, Read, Seek};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use assets::LoadedScene;
-use document::{AssetHash, CommandContext, Document, EditError, SceneContents};
-use drag::DragResult;
+use document::{AssetHash, CommandContext, CommandSolution, Document, EditError, SceneContents};
 use protocol::Asset;
 use raycast::Bvh;
 use scene::PosedScene;
@@ -165,8 +164,12 @@ impl DecodedScene {
     }
 
     /// Makes the context of a command: the bounds of this scene, the contents of the scene that the command loads, and
-    /// the result of its drag.
-    pub fn context<'a>(&self, loaded: Option<&'a SceneContents>, solved: Option<&'a DragResult>) -> CommandContext<'a> {
+    /// the solution of the command.
+    pub fn context<'a>(
+        &self,
+        loaded: Option<&'a SceneContents>,
+        solved: Option<&'a CommandSolution>,
+    ) -> CommandContext<'a> {
         CommandContext { scene_bounds: self.posed.bounds(), loaded, solved }
     }
 

@@ -94,8 +94,8 @@ fn forward_and_inverse_cases((name, command): &(&str, Command)) -> [Value; 2] {
 /// Returns a command for each type of change, and for each kind of addition and removal.
 fn commands() -> Vec<(&'static str, Command)> {
     let (vector, rotation) = (DVec3::new(0.5, 0.25, 0.125), DQuat::from_xyzw(0.0, 0.6, 0.0, 0.8));
-    let set_light = |light, setting| Command::SetLight { light, setting };
-    let set_point = |setting| Command::SetPoint { light: BENDY, point: 1, setting };
+    let set_light = |light, setting| Command::SetLight { light, setting, ignore_pins: false };
+    let set_point = |setting| Command::SetPoint { light: BENDY, point: 1, setting, ignore_pins: false };
     let set_camera = |parameter| Command::SetCamera { camera: EYE, parameter };
     let (position, radius, color, intensity) = (None, None, None, None);
     let orthographic = Projection::Orthographic { ymag: 2.0, aspect_ratio: Some(1.5), znear: 0.5, zfar: 10.0 };
@@ -106,7 +106,10 @@ fn commands() -> Vec<(&'static str, Command)> {
         ("a scene", Command::LoadScene { asset: ROOM, name: "room".into() }),
         ("a light that comes", Command::AddLight(checked(bendy()))),
         ("a light that goes", Command::RemoveLight(BENDY)),
-        ("a light placed", Command::PlaceLight { light: SPOT, translation, rotation: Some(rotation), scale }),
+        (
+            "a light placed",
+            Command::PlaceLight { light: SPOT, translation, rotation: Some(rotation), scale, ignore_pins: false },
+        ),
         ("a light's name", set_light(BENDY, NAME.to("rim \u{e9} \"".into()))),
         ("a light's cone angle", set_light(BENDY, CONE_ANGLE.to(30.1))),
         ("a light's softness", set_light(SPOT, CONE_SOFTNESS.to(0.75))),
@@ -124,9 +127,18 @@ fn commands() -> Vec<(&'static str, Command)> {
         ("a point's intensity", set_point(POINT_INTENSITY.to(3.5))),
         (
             "a point dragged, and radii that follow",
-            Command::DragPoint { light: BENDY, point: 2, position: DVec3::NEG_X * 3.0, radii_follow: true },
+            Command::DragPoint {
+                light: BENDY,
+                point: 2,
+                position: DVec3::NEG_X * 3.0,
+                radii_follow: true,
+                ignore_pins: false,
+            },
         ),
-        ("a point inserted", Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity }),
+        (
+            "a point inserted",
+            Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity, ignore_pins: false },
+        ),
         ("a pin of a point", pin(PinKind::Look, PinTarget::Point(vector))),
         ("a pin of an object", pin(PinKind::Coordinates, PinTarget::Node("vases/blue".into()))),
         ("a camera that comes", Command::AddCamera(eye())),

@@ -348,7 +348,7 @@ export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceIn
  * - `noSuchPoint`: The light has no such control point, or the point is its source.
  * - `noWeight`: The chosen control points have no influence on the light at M.
  * - `pinDoesNotHold`: A hard pin is not fulfilled when the drag begins. `pin` names it.
- * - `tooLittleRoom`: The caster lies too near to the shadow for the light to bend between them.
+ * - `tooLittleRoom`: The caster lies too near to the shadow for the light to bend between them, or there is no control point past it.
  * - `limited`: The feature can go less than a third of the way. `limit` says why.
  */
 export type DragReason =
@@ -1426,9 +1426,13 @@ export interface RemoveLight {
   type: "removeLight";
 }
 /**
- * Places a light as a whole.
+ * Places a light as a whole, or as near to the place as its hard pins allow.
  */
 export interface PlaceLight {
+  /**
+   * True if the command may break hard pins.
+   */
+  ignorePins?: boolean;
   /**
    * Id of the light.
    */
@@ -1459,6 +1463,10 @@ export interface PlaceLight {
  */
 export interface Set {
   /**
+   * True if the command may break hard pins.
+   */
+  ignorePins?: boolean;
+  /**
    * Address of the parameter.
    */
   target: string;
@@ -1474,6 +1482,10 @@ export interface Set {
  * Sets one parameter of a light.
  */
 export interface SetLight {
+  /**
+   * True if the command may break hard pins.
+   */
+  ignorePins?: boolean;
   /**
    * Id of the light.
    */
@@ -1871,6 +1883,10 @@ export interface LightShadowLink {
  */
 export interface SetPoint {
   /**
+   * True if the command may break hard pins.
+   */
+  ignorePins?: boolean;
+  /**
    * Id of the light.
    */
   light: number;
@@ -1924,9 +1940,14 @@ export interface PointIntensity {
   intensity: number;
 }
 /**
- * Moves a control point as near to a position as is possible without a fold of the tube.
+ * Moves a control point as near to a position as is possible without a fold of the tube and without breaking a hard
+ * pin.
  */
 export interface DragPoint {
+  /**
+   * True if the command may break hard pins.
+   */
+  ignorePins?: boolean;
   /**
    * Id of the light.
    */
@@ -2056,7 +2077,7 @@ export interface RemovePin {
  */
 export interface SetPin {
   /**
-   * True if every drag keeps the pin. False if a drag keeps it only as far as it can.
+   * True if every edit keeps the pin. False if only drags of features keep it, as far as they can.
    */
   hard: boolean;
   /**
@@ -2076,6 +2097,10 @@ export interface InsertPoint {
    * @maxItems 3
    */
   color?: [number, number, number];
+  /**
+   * True if the command may break hard pins.
+   */
+  ignorePins?: boolean;
   /**
    * Intensity. Default: a value between those of the neighbours.
    */
@@ -2107,6 +2132,10 @@ export interface InsertPoint {
  */
 export interface RemovePoint {
   /**
+   * True if the command may break hard pins.
+   */
+  ignorePins?: boolean;
+  /**
    * Id of the light.
    */
   light: number;
@@ -2125,6 +2154,10 @@ export interface BendLight {
    * Half angle of the cone for an omni or directional light, in degrees. Default: 45.
    */
   coneAngle?: number;
+  /**
+   * True if the command may break hard pins.
+   */
+  ignorePins?: boolean;
   /**
    * Id of the light.
    */
@@ -2151,6 +2184,10 @@ export interface BendLight {
  * Turns a BendyLight into a spotlight with the same id, from its source to its last control point.
  */
 export interface StraightenLight {
+  /**
+   * True if the command may break hard pins.
+   */
+  ignorePins?: boolean;
   /**
    * Id of the light.
    */

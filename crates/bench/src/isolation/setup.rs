@@ -82,7 +82,7 @@ pub(super) fn edit(address: &ServerAddress, session: &str, actor: &str, commands
 
 /// Changes the name of a light. No picture depends on it, but every drag of the light does.
 pub(super) fn rename(light: u64, n: u64) -> Command {
-    Command::SetLight { light, parameter: NAME.to(format!("name {n}")).into() }
+    Command::SetLight { light, parameter: NAME.to(format!("name {n}")).into(), ignore_pins: false }
 }
 
 /// Adds a light like the first of a session, straightened and bent into `segments` segments if given. Returns its id.

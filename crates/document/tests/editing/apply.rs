@@ -144,11 +144,12 @@ fn a_change_is_of_what_is_there() {
 #[test]
 fn one_persons_change_can_be_taken_back_under_anothers() {
     let mut document = sample();
-    let mine = done(&mut document, &Command::SetLight { light: SPOT, setting: CONE_ANGLE.to(40.0) });
-    done(&mut document, &Command::SetLight { light: SPOT, setting: INTENSITY.to(9.0) });
+    let mine =
+        done(&mut document, &Command::SetLight { light: SPOT, setting: CONE_ANGLE.to(40.0), ignore_pins: false });
+    done(&mut document, &Command::SetLight { light: SPOT, setting: INTENSITY.to(9.0), ignore_pins: false });
     document.apply(&[mine[0].inverse()]).expect("nobody else touched the angle");
     let mut theirs = sample();
-    done(&mut theirs, &Command::SetLight { light: SPOT, setting: INTENSITY.to(9.0) });
+    done(&mut theirs, &Command::SetLight { light: SPOT, setting: INTENSITY.to(9.0), ignore_pins: false });
     assert_eq!(content(&document), content(&theirs));
 }
 
@@ -160,7 +161,7 @@ fn names_and_cameras_change_no_picture() {
         assert!(!changes.is_empty());
         changes.iter().any(Change::changes_picture)
     };
-    let set = |setting| Command::SetLight { light: SPOT, setting };
+    let set = |setting| Command::SetLight { light: SPOT, setting, ignore_pins: false };
     assert!(!shows(&set(NAME.to("rim".into()))));
     assert!(!shows(&Command::AddCamera(eye())));
     assert!(!shows(&Command::RemoveCamera(EYE)));
@@ -170,7 +171,7 @@ fn names_and_cameras_change_no_picture() {
     assert!(shows(&Command::RemoveLight(LightId(1))));
     assert!(shows(&Command::AddLight(checked(spot()))));
     assert!(shows(&Command::LoadScene { asset: ROOM, name: "room".into() }));
-    assert!(shows(&Command::RemovePoint { light: BENDY, point: 2 }));
+    assert!(shows(&Command::RemovePoint { light: BENDY, point: 2, ignore_pins: false }));
     let setting = POINT_INTENSITY.to(3.0);
-    assert!(shows(&Command::SetPoint { light: BENDY, point: 1, setting }));
+    assert!(shows(&Command::SetPoint { light: BENDY, point: 1, setting, ignore_pins: false }));
 }

@@ -12,7 +12,14 @@ use scene::{Material, Mesh, Node, Primitive, Scene};
 use crate::support::{BENDY, SPOT, checked, done, light_of, refused, sample};
 
 fn bend(range: Option<f64>) -> Command {
-    Command::BendLight { light: SPOT, segments: DEFAULT_BEND_SEGMENTS, range, cone_angle: None, toward: None }
+    Command::BendLight {
+        light: SPOT,
+        segments: DEFAULT_BEND_SEGMENTS,
+        range,
+        cone_angle: None,
+        toward: None,
+        ignore_pins: false,
+    }
 }
 
 /// Rules: CMD-12
@@ -33,7 +40,7 @@ fn a_light_is_bent_under_its_id_and_straightened_to_what_it_was() {
     let mut undone = document.clone();
     undone.apply(&[changes[0].inverse()]).expect("it holds");
     assert_eq!((undone.lights(), undone.hash()), (before.lights(), before.hash()));
-    let changes = done(&mut document, &Command::StraightenLight(SPOT));
+    let changes = done(&mut document, &Command::StraightenLight { light: SPOT, ignore_pins: false });
     assert_eq!(describe_changes(&changes, &document), "straightening “lamp”");
     assert_eq!(light_of(&document, SPOT), &spot);
     // The numbering is new each time, so a stale command for a control point finds none.
@@ -44,13 +51,27 @@ fn a_light_is_bent_under_its_id_and_straightened_to_what_it_was() {
 #[test]
 fn bent_lights_are_not_bent_nor_straight_ones_straightened() {
     let document = sample();
-    let bend = Command::BendLight { light: BENDY, segments: 3, range: None, cone_angle: None, toward: None };
+    let bend = Command::BendLight {
+        light: BENDY,
+        segments: 3,
+        range: None,
+        cone_angle: None,
+        toward: None,
+        ignore_pins: false,
+    };
     let EditError::InvalidLight { light, reason } = refused(&document, &bend) else { panic!() };
     assert_eq!((light.as_str(), reason), ("“key”", LightError::NotASpot));
-    let straighten = Command::StraightenLight(SPOT);
+    let straighten = Command::StraightenLight { light: SPOT, ignore_pins: false };
     assert!(refused(&document, &straighten).to_string().contains("straight already"));
     for segments in [0, 100_000] {
-        let bend = Command::BendLight { light: SPOT, segments, range: None, cone_angle: None, toward: None };
+        let bend = Command::BendLight {
+            light: SPOT,
+            segments,
+            range: None,
+            cone_angle: None,
+            toward: None,
+            ignore_pins: false,
+        };
         assert!(refused(&document, &bend).to_string().contains("is bent into 1 to"));
     }
     for range in [-1.0, 0.0, f64::NAN, f64::INFINITY, 1e300] {
@@ -106,7 +127,7 @@ fn control_points_reach_to_where_the_axis_meets_the_scene() {
     assert_eq!(light_of(&document, SPOT).points()[4].position, DVec3::new(0.0, 0.0, -3.0));
     // A light with a range ends at its range.
     let mut document = sample();
-    done(&mut document, &Command::SetLight { light: SPOT, setting: RANGE.to(Some(5.0)) });
+    done(&mut document, &Command::SetLight { light: SPOT, setting: RANGE.to(Some(5.0)), ignore_pins: false });
     done(&mut document, &bend(Some(3.0)));
     assert_eq!(light_of(&document, SPOT).points()[4].position, DVec3::new(0.0, 0.0, -5.0));
 }
@@ -127,7 +148,14 @@ fn lights_without_a_cone_are_bent_in_the_one_they_are_given() {
             panic!()
         };
         let before = document.clone();
-        let bend = |cone_angle, toward| Command::BendLight { light: id, segments: 3, range: None, cone_angle, toward };
+        let bend = |cone_angle, toward| Command::BendLight {
+            light: id,
+            segments: 3,
+            range: None,
+            cone_angle,
+            toward,
+            ignore_pins: false,
+        };
         for (cone_angle, toward) in [(None, None), (Some(20.0), Some(DVec3::new(0.5, -0.5, -4.0)))] {
             let mut document = before.clone();
             let command = fill_in_from_scene(bend(cone_angle, toward), &document, &room);

@@ -26,12 +26,12 @@ fn checks_of(command: &Command) -> u64 {
 }
 
 fn set(setting: Setting) -> Command {
-    Command::SetLight { light: SPOT, setting }
+    Command::SetLight { light: SPOT, setting, ignore_pins: false }
 }
 
 fn place(translation: DVec3) -> Command {
     let (rotation, scale) = (Some(DQuat::from_rotation_y(0.5)), Some(2.0));
-    Command::PlaceLight { light: BENDY, translation: Some(translation), rotation, scale }
+    Command::PlaceLight { light: BENDY, translation: Some(translation), rotation, scale, ignore_pins: false }
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn an_edit_of_a_light_checks_it_once() {
         set_point(1, RADIUS.to(0.3)),
         insert(2),
         insert(5),
-        Command::RemovePoint { light: BENDY, point: 2 },
+        Command::RemovePoint { light: BENDY, point: 2, ignore_pins: false },
     ] {
         assert_eq!(checks_of(&command), 1, "{command:?}");
     }

@@ -11,7 +11,7 @@ use crate::support::{BENDY, SPOT, content, done, light_of, refused, sample, set_
 const PAST_THE_WALL: DVec3 = DVec3::new(-3.0, 0.0, -1.0);
 
 fn drag(point: usize, position: DVec3, radii_follow: bool) -> Command {
-    Command::DragPoint { light: BENDY, point, position, radii_follow }
+    Command::DragPoint { light: BENDY, point, position, radii_follow, ignore_pins: false }
 }
 
 fn points(document: &Document) -> Vec<ControlPoint> {
@@ -88,7 +88,8 @@ fn drags_are_refused_like_settings() {
             let dragged = refused(&document, &drag(point, position, radii_follow));
             assert_eq!(dragged.to_string(), set.to_string(), "{point}, {position}");
         }
-        let of_spot = Command::DragPoint { light: SPOT, point: 1, position: DVec3::X, radii_follow };
+        let of_spot =
+            Command::DragPoint { light: SPOT, point: 1, position: DVec3::X, radii_follow, ignore_pins: false };
         assert!(matches!(refused(&document, &of_spot), EditError::WrongKind { kind: "spotlight", .. }));
     }
     done(&mut document, &Command::RemoveLight(BENDY));

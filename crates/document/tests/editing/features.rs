@@ -3,8 +3,8 @@
 use std::sync::{Arc, LazyLock};
 
 use document::{
-    Change, Command, CommandContext, CommandResult, Document, EditError, LightPin, MAX_CHOSEN_POINTS, execute_command,
-    solve_drag,
+    Change, Command, CommandContext, CommandResult, CommandSolution, Document, EditError, LightPin, MAX_CHOSEN_POINTS,
+    execute_command, solve_drag,
 };
 use drag::{
     Drag, DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, PinTarget, RadiusMode, SOLVER, Viewport,
@@ -18,13 +18,13 @@ use crate::support::{done, light_of, take_back};
 
 const LIGHT: LightId = LightId(1);
 
-struct Demo {
-    bvh: Bvh,
-    view: Viewport,
-    light: Arc<CheckedLight>,
+pub struct Demo {
+    pub bvh: Bvh,
+    pub view: Viewport,
+    pub light: Arc<CheckedLight>,
 }
 
-static DEMO: LazyLock<Demo> = LazyLock::new(|| {
+pub static DEMO: LazyLock<Demo> = LazyLock::new(|| {
     let demo = assets::demo("vases").expect("it is one of the demos");
     let camera = demo.contents.cameras[0].clone();
     let light = Arc::clone(&demo.contents.lights[0]);
@@ -55,7 +55,7 @@ fn shadow(points: Option<Vec<usize>>, down: f64) -> Drag {
 }
 
 fn dragged(document: &Document, drag: &Drag) -> Result<CommandResult, EditError> {
-    let solved = solve_drag(document, LIGHT, drag, &DEMO.bvh)?;
+    let solved = CommandSolution::Drag(Box::new(solve_drag(document, LIGHT, drag, &DEMO.bvh)?));
     let command = Command::DragFeature { light: LIGHT, drag: Box::new(drag.clone()) };
     execute_command(document, &command, CommandContext { solved: Some(&solved), ..CommandContext::default() })
 }
@@ -147,7 +147,7 @@ fn impossible_drags_are_refused_with_their_reason() {
     // Without a scene the drag is refused and nothing moves.
     let command = Command::DragFeature { light: LIGHT, drag: Box::new(shadow(None, 9.0)) };
     let error = execute_command(&before, &command, CommandContext::default()).expect_err("refused");
-    assert!(matches!(error, EditError::DragNotSolved(_)));
+    assert!(matches!(error, EditError::NotSolved(_)));
     let nobodys = Command::DragFeature { light: LightId(9), drag: Box::new(shadow(None, 9.0)) };
     assert!(matches!(
         execute_command(&before, &nobodys, CommandContext::default()),
@@ -163,7 +163,7 @@ fn nothing_is_dragged_from_a_surface_that_links_leave_out() {
     let linked_but = |left_out: &str| {
         let mut document = document();
         let setting = LIGHT_LINK.to(Links::new(vec![], vec![left_out.into()]));
-        done(&mut document, &Command::SetLight { light: LIGHT, setting });
+        done(&mut document, &Command::SetLight { light: LIGHT, setting, ignore_pins: false });
         document
     };
     let before = linked_but("table");

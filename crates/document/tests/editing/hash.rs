@@ -40,14 +40,18 @@ fn light_edits() -> Vec<Command> {
     ];
     let mut edits = Vec::new();
     for light in [BENDY, SPOT] {
-        edits.extend(both.iter().map(|setting| Command::SetLight { light, setting: setting.clone() }));
+        edits.extend(both.iter().map(|setting| Command::SetLight {
+            light,
+            setting: setting.clone(),
+            ignore_pins: false,
+        }));
     }
     let of_bendy =
         [UP.to(vector), FRAME.to(FrameMode::Up), DIRECTION.to(DirectionMode::Path), END_MODE.to(EndMode::Extend)];
-    edits.extend(of_bendy.map(|setting| Command::SetLight { light: BENDY, setting }));
+    edits.extend(of_bendy.map(|setting| Command::SetLight { light: BENDY, setting, ignore_pins: false }));
     let of_spot = [COLOR.to(vector), INTENSITY.to(7.0), RANGE.to(Some(9.0)), RANGE.to(Some(8.0))];
-    edits.extend(of_spot.map(|setting| Command::SetLight { light: SPOT, setting }));
-    edits.push(Command::SetLight { light: SPOT, setting: DECAY.to(Decay::None) });
+    edits.extend(of_spot.map(|setting| Command::SetLight { light: SPOT, setting, ignore_pins: false }));
+    edits.push(Command::SetLight { light: SPOT, setting: DECAY.to(Decay::None), ignore_pins: false });
     for point in 0..5 {
         let values = [
             RADIUS.to(0.3),
@@ -56,7 +60,8 @@ fn light_edits() -> Vec<Command> {
             POSITION.to(DVec3::new(0.125, 0.0, -(point as f64))),
         ];
         let allowed = if point == 0 { &values[..3] } else { &values[..] };
-        let edit = |setting: &Setting| Command::SetPoint { light: BENDY, point, setting: setting.clone() };
+        let edit =
+            |setting: &Setting| Command::SetPoint { light: BENDY, point, setting: setting.clone(), ignore_pins: false };
         edits.extend(allowed.iter().map(edit));
     }
     edits
@@ -95,7 +100,7 @@ fn other_edits() -> Vec<Command> {
     edits.extend([BENDY, SPOT].map(Command::RemoveLight));
     edits.push(Command::AddLight(checked(spot())));
     edits.push(Command::AddCamera(eye()));
-    edits.extend([2, 3].map(|point| Command::RemovePoint { light: BENDY, point }));
+    edits.extend([2, 3].map(|point| Command::RemovePoint { light: BENDY, point, ignore_pins: false }));
     edits.extend([ROOM, ROOM_AGAIN].map(|asset| Command::LoadScene { asset, name: String::new() }));
     edits
 }
@@ -126,8 +131,11 @@ fn every_field_counts() {
 fn numbers_count_where_the_rest_is_the_same() {
     let mut renumbered = sample();
     let (position, radius, color, intensity) = (Some(DVec3::new(0.125, 0.0, -1.5)), None, None, None);
-    done(&mut renumbered, &Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity });
-    done(&mut renumbered, &Command::RemovePoint { light: BENDY, point: 2 });
+    done(
+        &mut renumbered,
+        &Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity, ignore_pins: false },
+    );
+    done(&mut renumbered, &Command::RemovePoint { light: BENDY, point: 2, ignore_pins: false });
     assert_eq!(light_of(&renumbered, BENDY), light_of(&sample(), BENDY));
     for hash in HASHES {
         assert_ne!(hash(&renumbered), hash(&sample()), "its layout is another");
@@ -151,7 +159,7 @@ fn labels_and_freed_numbers_leave_the_hash() {
     for hash in HASHES {
         let set = |x: f64| {
             let setting = TRANSLATION.to(DVec3::new(x, 1.0, x));
-            hash(&after(&Command::SetLight { light: SPOT, setting }))
+            hash(&after(&Command::SetLight { light: SPOT, setting, ignore_pins: false }))
         };
         assert_eq!(set(0.0), set(-0.0));
         assert_ne!(set(0.0), set(f64::MIN_POSITIVE), "but the smallest number is not 0");

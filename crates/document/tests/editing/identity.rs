@@ -55,7 +55,7 @@ fn a_layout_changes_with_the_numbering_and_comes_back_with_it() {
     done(&mut document, &insert(2));
     let third = layout(&document);
     assert!(third != first && third != second, "another insertion, another numbering");
-    done(&mut document, &Command::RemovePoint { light: BENDY, point: 2 });
+    done(&mut document, &Command::RemovePoint { light: BENDY, point: 2, ignore_pins: false });
     assert!(![first, second, third].contains(&layout(&document)), "not by its look the same");
 }
 

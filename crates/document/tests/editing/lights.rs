@@ -29,7 +29,13 @@ fn lights_come_and_go() {
 fn placing_a_light_changes_what_is_given_and_no_more() {
     let mut document = sample();
     let (translation, rotation) = (DVec3::new(1.0, 2.0, 3.0), DQuat::from_rotation_x(0.5));
-    let place = |translation, rotation, scale| Command::PlaceLight { light: BENDY, translation, rotation, scale };
+    let place = |translation, rotation, scale| Command::PlaceLight {
+        light: BENDY,
+        translation,
+        rotation,
+        scale,
+        ignore_pins: false,
+    };
     let changes = done(&mut document, &place(Some(translation), None, Some(2.0)));
     assert_eq!(changes.len(), 2, "a change each, so that each can be taken back alone");
     let there = Transform { translation, rotation: DQuat::IDENTITY, scale: 2.0 };
@@ -48,6 +54,7 @@ fn a_present_value_is_no_change() {
         translation: Some(translation),
         rotation: Some(DQuat::IDENTITY),
         scale: None,
+        ignore_pins: false,
     });
     for command in &none {
         assert_eq!(done(&mut document, command), []);
@@ -61,7 +68,7 @@ fn every_parameter_of_a_light_can_be_set() {
     let mut document = sample();
     let mut set = |light, setting: &Setting| {
         let setting = setting.clone();
-        assert_eq!(done(&mut document, &Command::SetLight { light, setting }).len(), 1);
+        assert_eq!(done(&mut document, &Command::SetLight { light, setting, ignore_pins: false }).len(), 1);
     };
     let both = [
         NAME.to("rim".into()),
@@ -100,10 +107,10 @@ fn every_parameter_of_a_light_can_be_set() {
 #[test]
 fn a_parameter_of_the_other_kind_is_refused() {
     let document = sample();
-    let of_spot = Command::SetLight { light: BENDY, setting: RANGE.to(None) };
+    let of_spot = Command::SetLight { light: BENDY, setting: RANGE.to(None), ignore_pins: false };
     let error = refused(&document, &of_spot);
     assert_eq!(error, EditError::WrongKind { light: "“key”".into(), kind: "BendyLight", what: "range" });
-    let of_bendy = Command::SetLight { light: SPOT, setting: FRAME.to(FrameMode::Up) };
+    let of_bendy = Command::SetLight { light: SPOT, setting: FRAME.to(FrameMode::Up), ignore_pins: false };
     let error = refused(&document, &of_bendy);
     assert_eq!(error, EditError::WrongKind { light: "“lamp”".into(), kind: "spotlight", what: "frame" });
 }
@@ -121,12 +128,12 @@ fn numbers_without_a_meaning_are_refused() {
         ROTATION.to(DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0)),
     ] {
         for light in [BENDY, SPOT] {
-            let error = refused(&document, &Command::SetLight { light, setting: setting.clone() });
+            let error = refused(&document, &Command::SetLight { light, setting: setting.clone(), ignore_pins: false });
             assert!(matches!(error, EditError::InvalidLight { .. }), "{setting:?}: {error}");
         }
     }
     let long = NAME.to("x".repeat(MAX_NAME_BYTES + 1));
-    let error = refused(&document, &Command::SetLight { light: SPOT, setting: long });
+    let error = refused(&document, &Command::SetLight { light: SPOT, setting: long, ignore_pins: false });
     let sentence = format!("“{}…”: `name` has more than 256 bytes: shorten it", "x".repeat(40));
     assert_eq!(error.to_string(), sentence);
 }

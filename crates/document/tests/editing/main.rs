@@ -10,6 +10,7 @@ mod features;
 mod hash;
 mod hash_rows;
 mod identity;
+mod kept_pins;
 mod lights;
 mod pins;
 mod points;

@@ -102,7 +102,7 @@ fn a_pin_outlives_a_light_that_was_taken_back() {
     assert!(document.pins().contains_key(&id) && !document.lights().contains_key(&light));
     document.apply(&addition).expect("it comes back");
     assert_eq!(document.hash(), hash);
-    done(&mut document, &Command::SetLight { light, setting: NAME.to("again".into()) });
+    done(&mut document, &Command::SetLight { light, setting: NAME.to("again".into()), ignore_pins: false });
 }
 
 /// Rules: CMD-1, DOC-6

@@ -8,7 +8,7 @@ use light::{ControlPoint, LightError};
 use crate::support::{BENDY, SPOT, done, insert, light_of, refused, sample, set_point};
 
 fn remove(point: usize) -> Command {
-    Command::RemovePoint { light: BENDY, point }
+    Command::RemovePoint { light: BENDY, point, ignore_pins: false }
 }
 
 /// Rules: REC-2, DOC-2
@@ -52,7 +52,7 @@ fn points_that_are_not_there_are_refused() {
     assert_eq!(refused(&document, &set_point(5, RADIUS.to(0.1))), none(5));
     assert_eq!(refused(&document, &insert(6)), none(6));
     assert_eq!(refused(&document, &remove(5)), none(5));
-    let of_spot = Command::RemovePoint { light: SPOT, point: 1 };
+    let of_spot = Command::RemovePoint { light: SPOT, point: 1, ignore_pins: false };
     assert!(matches!(refused(&document, &of_spot), EditError::WrongKind { kind: "spotlight", .. }));
 }
 
@@ -82,7 +82,15 @@ fn a_point_with_a_position_takes_the_rest_from_its_neighbours() {
     let mut document = sample();
     let before = light_of(&document, BENDY).points().to_vec();
     let position = Some(DVec3::new(0.375, 0.0625, -2.5));
-    let command = Command::InsertPoint { light: BENDY, point: 3, position, radius: None, color: None, intensity: None };
+    let command = Command::InsertPoint {
+        light: BENDY,
+        point: 3,
+        position,
+        radius: None,
+        color: None,
+        intensity: None,
+        ignore_pins: false,
+    };
     done(&mut document, &command);
     let after = light_of(&document, BENDY).points();
     assert_eq!((after[3].radius, after[3].intensity), (0.4375, 6.0));
@@ -119,7 +127,10 @@ fn a_point_takes_what_it_is_given() {
     let (position, color) = (DVec3::new(0.2, 0.0, -1.5), DVec3::new(0.1, 0.2, 0.3));
     let given = ControlPoint { position, radius: 0.3, color, intensity: 5.0 };
     let (position, radius, color, intensity) = (Some(position), Some(0.3), Some(color), Some(5.0));
-    done(&mut document, &Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity });
+    done(
+        &mut document,
+        &Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity, ignore_pins: false },
+    );
     assert_eq!(light_of(&document, BENDY).points()[2], given);
 }
 

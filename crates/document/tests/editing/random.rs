@@ -29,13 +29,13 @@ pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
         2 => any_light().prop_map(Command::AddLight),
         1 => light().prop_map(Command::RemoveLight),
         3 => place_light.prop_map(|(light, translation, rotation, scale)| {
-            Command::PlaceLight { light, translation, rotation, scale }
+            Command::PlaceLight { light, translation, rotation, scale, ignore_pins: true }
         }),
-        8 => (light(), light_parameter()).prop_map(|(light, setting)| Command::SetLight { light, setting }),
+        8 => (light(), light_parameter()).prop_map(|(light, setting)| Command::SetLight { light, setting, ignore_pins: true }),
         8 => (light(), 0..6_usize, point_parameter())
-            .prop_map(|(light, point, setting)| Command::SetPoint { light, point, setting }),
+            .prop_map(|(light, point, setting)| Command::SetPoint { light, point, setting, ignore_pins: true }),
         2 => (light(), 0..6_usize, vector(), any::<bool>()).prop_map(|(light, point, position, radii_follow)| {
-            Command::DragPoint { light, point, position, radii_follow }
+            Command::DragPoint { light, point, position, radii_follow, ignore_pins: true }
         }),
         1 => (light(), feature_drag())
             .prop_map(|(light, drag)| Command::DragFeature { light, drag: Box::new(drag) }),
@@ -43,15 +43,15 @@ pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
         1 => (0..8_u64).prop_map(|pin| Command::RemovePin(PinId(pin))),
         1 => (0..8_u64, any::<bool>()).prop_map(|(pin, is_hard)| Command::SetPin { pin: PinId(pin), is_hard }),
         3 => insert.prop_map(|(light, point, position, radius, color, intensity)| {
-            Command::InsertPoint { light, point, position, radius, color, intensity }
+            Command::InsertPoint { light, point, position, radius, color, intensity, ignore_pins: true }
         }),
-        2 => (light(), 0..6_usize).prop_map(|(light, point)| Command::RemovePoint { light, point }),
+        2 => (light(), 0..6_usize).prop_map(|(light, point)| Command::RemovePoint { light, point, ignore_pins: true }),
         1 => (light(), 0..5_usize, option(positive()), option(1.0..80.0), option(vector())).prop_map(
             |(light, segments, range, cone_angle, toward)| {
-                Command::BendLight { light, segments, range, cone_angle, toward }
+                Command::BendLight { light, segments, range, cone_angle, toward, ignore_pins: true }
             }
         ),
-        1 => light().prop_map(Command::StraightenLight),
+        1 => light().prop_map(|light| Command::StraightenLight { light, ignore_pins: true }),
         1 => any_camera().prop_map(Command::AddCamera),
         1 => camera().prop_map(Command::RemoveCamera),
         2 => place_camera.prop_map(|(camera, translation, rotation)| {
@@ -78,7 +78,7 @@ pub fn with_existing_ids(mut command: Command, document: &Document) -> Command {
         | Command::InsertPoint { light, .. }
         | Command::RemovePoint { light, .. }
         | Command::BendLight { light, .. }
-        | Command::StraightenLight(light) => {
+        | Command::StraightenLight { light, .. } => {
             *light = *lights.get(light.0 as usize % lights.len().max(1)).unwrap_or(light);
         }
         Command::RemoveCamera(camera) | Command::PlaceCamera { camera, .. } | Command::SetCamera { camera, .. } => {

@@ -18,7 +18,7 @@ fn place(light: LightId, x: f64) -> Command {
 #[test]
 fn commands_refuse_lights_out_of_reach() {
     let document = sample();
-    let scaled = |scale| Command::SetLight { light: BENDY, setting: SCALE.to(scale) };
+    let scaled = |scale| Command::SetLight { light: BENDY, setting: SCALE.to(scale), ignore_pins: false };
     let far = spot().with(TRANSLATION, DVec3::Y * 1e300);
     for command in [
         place(SPOT, 1.1e15),
@@ -46,7 +46,7 @@ fn records_of_lights_out_of_reach_apply() {
     document.apply(&[carried]).expect("as it was recorded");
     let left_out = left_out(&document);
     assert!(matches!(&left_out[..], [UndrawableLight::TooFar { name, .. }] if name == "lamp"), "{left_out:?}");
-    let rename = Command::SetLight { light: SPOT, setting: NAME.to("far away".into()) };
+    let rename = Command::SetLight { light: SPOT, setting: NAME.to("far away".into()), ignore_pins: false };
     edit(&document, &rename).expect("it is no farther than before");
     edit(&document, &place(SPOT, 1e20)).expect("nearer than before");
     // Another light still has to be within the bound.

@@ -108,17 +108,25 @@ pub fn take_back(document: &mut Document, changes: &[Change]) {
 
 /// Returns the command that sets a parameter of one of [`BENDY`]'s control points.
 pub fn set_point(point: usize, setting: Setting) -> Command {
-    Command::SetPoint { light: BENDY, point, setting }
+    Command::SetPoint { light: BENDY, point, setting, ignore_pins: false }
 }
 
 /// Returns the command that inserts a control point of [`BENDY`] with default values.
 pub fn insert(point: usize) -> Command {
-    Command::InsertPoint { light: BENDY, point, position: None, radius: None, color: None, intensity: None }
+    Command::InsertPoint {
+        light: BENDY,
+        point,
+        position: None,
+        radius: None,
+        color: None,
+        intensity: None,
+        ignore_pins: false,
+    }
 }
 
 /// Returns the command that places a light at a position.
 pub fn place(light: LightId, position: DVec3) -> Command {
-    Command::PlaceLight { light, translation: Some(position), rotation: None, scale: None }
+    Command::PlaceLight { light, translation: Some(position), rotation: None, scale: None, ignore_pins: false }
 }
 
 /// Returns the error of a command that must be refused.

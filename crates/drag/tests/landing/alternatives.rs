@@ -50,14 +50,15 @@ impl Picture {
         }
         all
     }
+}
 
-    fn changed_share(&self, before: &[f64], after: &[f64]) -> f64 {
-        let mut lit: Vec<f64> = before.iter().copied().filter(|irradiance| *irradiance > 0.0).collect();
-        lit.sort_by(f64::total_cmp);
-        let least = VISIBLE_CHANGE * lit.get(lit.len() * 9 / 10).copied().unwrap_or(1.0);
-        let changed = before.iter().zip(after).filter(|(before, after)| (**before - **after).abs() > least).count();
-        changed as f64 / f64::from(GRID[0] * GRID[1])
-    }
+/// Returns the share of the pixels whose light differs visibly.
+fn changed_share(before: &[f64], after: &[f64]) -> f64 {
+    let mut lit: Vec<f64> = before.iter().copied().filter(|irradiance| *irradiance > 0.0).collect();
+    lit.sort_by(f64::total_cmp);
+    let least = VISIBLE_CHANGE * lit.get(lit.len() * 9 / 10).copied().unwrap_or(1.0);
+    let changed = before.iter().zip(after).filter(|(before, after)| (**before - **after).abs() > least).count();
+    changed as f64 / f64::from(GRID[0] * GRID[1])
 }
 
 fn all_of(scene: &TestScene, trial: &Trial) -> Vec<DragResult> {
@@ -116,7 +117,7 @@ fn the_changed_share_is_that_of_the_picture() {
                 let Some(said) = result.outcome.changed_share else { continue };
                 let copy = result.copy.as_ref().map(|copy| &copy.light);
                 let after = picture.of(&[Some(&result.light), copy].into_iter().flatten().collect::<Vec<_>>());
-                shares.push((said, picture.changed_share(&before, &after)));
+                shares.push((said, changed_share(&before, &after)));
             }
         }
     }
@@ -223,7 +224,7 @@ fn pane_before_a_wall() -> (TestScene, CheckedLight) {
     let camera = Camera {
         name: "beside".into(),
         translation: DVec3::new(2.0, 0.0, -3.0),
-        rotation: DQuat::from_rotation_y((2.0_f64 / 5.0).atan()),
+        rotation: DQuat::from_rotation_arc(DVec3::NEG_Z, DVec3::new(-2.0, 0.0, -5.0).normalize()),
         projection: Projection::Perspective { yfov: 0.6, aspect_ratio: None, znear: 0.01, zfar: None },
     };
     let bvh = Bvh::new(scene::pose(scene));

@@ -3,6 +3,7 @@
 mod alternatives;
 mod bounded;
 mod continuity;
+mod hand_moves;
 mod highlights;
 mod many;
 mod picture;

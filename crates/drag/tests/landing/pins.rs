@@ -12,15 +12,15 @@ use scene::{Camera, View, ViewRay};
 use crate::support::{self, Random, TestScene, Trial, trials};
 
 /// Pin, and the pixel that shows its point.
-struct VisiblePin {
-    pin: DragPin,
-    at: DVec3,
-    pixel: DVec2,
+pub struct VisiblePin {
+    pub pin: DragPin,
+    pub at: DVec3,
+    pub pixel: DVec2,
 }
 
 /// Measures the error of a pin: in degrees for a direction, in pixels for a shadow, else 0, or infinite if it does not
 /// hold.
-fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &CheckedLight) -> f64 {
+pub fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &CheckedLight) -> f64 {
     let origin = reference.bvh.posed.origin_in_world;
     let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
     let surface = |pixel| reference.surface(&view, pixel);
@@ -57,7 +57,7 @@ fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &Ch
 }
 
 /// Makes up to three pins that hold at the start, at visible points in the light.
-fn random_pins(scene: &TestScene, reference: &Reference, trial: &Trial, random: &mut Random) -> Vec<VisiblePin> {
+pub fn random_pins(scene: &TestScene, reference: &Reference, trial: &Trial, random: &mut Random) -> Vec<VisiblePin> {
     let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
     let mut pins = Vec::new();
     for _ in 0..400 {
@@ -243,14 +243,14 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
 }
 
 /// Picture of a node in a light: the brightness of its pixels as displays show it, 0 to 255.
-struct NodePicture<'a> {
+pub struct NodePicture<'a> {
     reference: &'a Reference,
-    surfaces: Vec<ShadedPoint>,
+    pub surfaces: Vec<ShadedPoint>,
     brightest: f64,
 }
 
 impl<'a> NodePicture<'a> {
-    fn new(scene: &TestScene, reference: &'a Reference, trial: &Trial, node: &str) -> Self {
+    pub fn new(scene: &TestScene, reference: &'a Reference, trial: &Trial, node: &str) -> Self {
         let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
         let index = scene.bvh.posed.scene.nodes.iter().position(|other| other.name == node).expect("the scene has it");
         let pixels = (0..64 * 36).map(|k| DVec2::new(f64::from(k % 64) + 0.5, f64::from(k / 64) + 0.5) * 10.0);
@@ -274,7 +274,7 @@ impl<'a> NodePicture<'a> {
     }
 
     /// Measures how many of 255 nine in ten pixels differ between two lights at most.
-    fn difference(&self, one: &light::Light, other: &light::Light) -> f64 {
+    pub fn difference(&self, one: &light::Light, other: &light::Light) -> f64 {
         let in_srgb = |brightness: f64| {
             let linear = brightness / self.brightest;
             255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }

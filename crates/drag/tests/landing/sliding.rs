@@ -7,7 +7,7 @@ use drag::{RadiusMode, Slide, slide_point};
 use glam::DVec3;
 use light::CheckedLight;
 
-fn demo_light() -> CheckedLight {
+pub fn demo_light() -> CheckedLight {
     let demo = assets::demo("vases").expect("it is one of the demos");
     CheckedLight::new(demo.contents.lights[0].light().clone()).expect("valid")
 }
@@ -24,7 +24,7 @@ fn at(light: &CheckedLight, point: usize, position: DVec3) -> Result<CheckedLigh
 }
 
 /// Returns 24 directions, spread over the sphere by the golden angle.
-fn directions() -> impl Iterator<Item = DVec3> {
+pub fn directions() -> impl Iterator<Item = DVec3> {
     (0..24).map(|k| {
         let (y, angle) = (1.0 - 2.0 * (f64::from(k) + 0.5) / 24.0, 2.399_963_229_728_653 * f64::from(k));
         let r = (1.0 - y * y).sqrt();
@@ -33,7 +33,7 @@ fn directions() -> impl Iterator<Item = DVec3> {
 }
 
 /// Computes the share of the distance to `to` that a control point covered.
-fn covered_share(from: DVec3, now: DVec3, to: DVec3) -> f64 {
+pub fn covered_share(from: DVec3, now: DVec3, to: DVec3) -> f64 {
     1.0 - now.distance(to) / from.distance(to)
 }
 

@@ -155,7 +155,7 @@ fn a_drag_keeps_to_its_light_and_its_holder() {
     let mut studio = TestSession::new();
     studio.edit("rig", Command::AddLight(bent_light()));
     studio.begin("ada", "g").expect("nobody holds the light");
-    let elsewhere = Command::RemovePoint { light: LightId(2), point: 1 };
+    let elsewhere = Command::RemovePoint { light: LightId(2), point: 1, ignore_pins: false };
     for command in [elsewhere, Command::RemoveLight(KEY), Command::AddLight(bent_light())] {
         assert_eq!(studio.update("ada", "g", 1, command), Err(EditRefusal::OtherLight("“key”".into())));
     }

@@ -42,7 +42,7 @@ fn a_light_that_comes_in_a_group_goes_as_a_whole() {
     let before = studio.hash();
     let new = LightId(studio.session.document().last_number() + 1);
     let of_new = |command| match command {
-        Command::SetLight { setting, .. } => Command::SetLight { light: new, setting },
+        Command::SetLight { setting, .. } => Command::SetLight { light: new, setting, ignore_pins: false },
         other => other,
     };
     let commands = [Command::AddLight(bent_light()), of_new(angle(30.0)), pin_of(new), pin_of(KEY)];

@@ -13,7 +13,7 @@ fn points_counted_before_a_renumbering_are_stale() {
     let known = studio.session.seq();
     let renumbering = studio.edit("ben", insert(2)).seq;
     let stale = EditRefusal::Stale { light: "“key”".into(), seq: renumbering };
-    for command in [radius(1, 0.3), insert(1), Command::RemovePoint { light: KEY, point: 1 }] {
+    for command in [radius(1, 0.3), insert(1), Command::RemovePoint { light: KEY, point: 1, ignore_pins: false }] {
         let refused = studio.ask("ada", based(known, command.clone())).expect_err("outdated");
         assert_eq!(refused, stale);
         let mut aware = studio.clone();

@@ -106,23 +106,31 @@ impl TestSession {
 }
 
 pub fn angle(degrees: f64) -> Command {
-    Command::SetLight { light: KEY, setting: CONE_ANGLE.to(degrees) }
+    Command::SetLight { light: KEY, setting: CONE_ANGLE.to(degrees), ignore_pins: false }
 }
 
 pub fn softness(share: f64) -> Command {
-    Command::SetLight { light: KEY, setting: CONE_SOFTNESS.to(share) }
+    Command::SetLight { light: KEY, setting: CONE_SOFTNESS.to(share), ignore_pins: false }
 }
 
 pub fn radius(point: usize, radius: f64) -> Command {
-    Command::SetPoint { light: KEY, point, setting: RADIUS.to(radius) }
+    Command::SetPoint { light: KEY, point, setting: RADIUS.to(radius), ignore_pins: false }
 }
 
 pub fn position(point: usize, x: f64, z: f64) -> Command {
-    Command::SetPoint { light: KEY, point, setting: POSITION.to(DVec3::new(x, 0.0, z)) }
+    Command::SetPoint { light: KEY, point, setting: POSITION.to(DVec3::new(x, 0.0, z)), ignore_pins: false }
 }
 
 pub fn insert(point: usize) -> Command {
-    Command::InsertPoint { light: KEY, point, position: None, radius: None, color: None, intensity: None }
+    Command::InsertPoint {
+        light: KEY,
+        point,
+        position: None,
+        radius: None,
+        color: None,
+        intensity: None,
+        ignore_pins: false,
+    }
 }
 
 /// Returns the edit as [`EditRequest::Edit`], by a sender who knew record `base_seq`.

@@ -55,8 +55,8 @@ fn session_takes_back_whoever_was_last() {
 fn undo_skips_and_names_later_changes_of_others() {
     let mut studio = TestSession::new();
     let (translation, rotation) = (Some(DVec3::X), Some(DQuat::from_rotation_x(0.5)));
-    studio.edit("ada", Command::PlaceLight { light: KEY, translation, rotation, scale: None });
-    studio.edit("ben", Command::SetLight { light: KEY, setting: TRANSLATION.to(DVec3::Y) });
+    studio.edit("ada", Command::PlaceLight { light: KEY, translation, rotation, scale: None, ignore_pins: false });
+    studio.edit("ben", Command::SetLight { light: KEY, setting: TRANSLATION.to(DVec3::Y), ignore_pins: false });
     let undo = studio.undo("ada");
     assert_eq!(undo.action.skipped(), ["BEN has changed the translation of “key” since"]);
     let transform = studio.light().transform();

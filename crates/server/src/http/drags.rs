@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use axum::extract::State;
-use document::{Command, Document, EditError, check_drag, execute_command};
+use document::{Command, CommandSolution, Document, EditError, check_drag, execute_command};
 use drag::{
     Drag, DragResult as Solved, DragStatus, LightCopy, NumberedPin, WorkBudget, drag_alternatives, drag_budgeted,
 };
@@ -96,7 +96,7 @@ fn document_after(
     }
     // Pins of the request are no pins of the document.
     let copy = solved.copy.clone().map(|copy| LightCopy { pins: Vec::new(), ..copy });
-    let solved = Solved { copy, ..solved.clone() };
+    let solved = CommandSolution::Drag(Box::new(Solved { copy, ..solved.clone() }));
     let command = Command::DragFeature { light: drag.id, drag: Box::new(drag.drag.clone()) };
     Ok(Some(execute_command(document, &command, scene.context(None, Some(&solved)))?.document))
 }

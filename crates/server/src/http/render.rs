@@ -167,7 +167,8 @@ fn resolve_render(
     let set = query.set()?;
     for (address, value) in &set {
         let target = document.address_by_id(address)?;
-        let command = Command::Set { target, value: value.clone() }.try_into()?;
+        // A picture of other values is no edit, so pins have no say.
+        let command = Command::Set { target, value: value.clone(), ignore_pins: true }.try_into()?;
         document = execute_command(&document, &command, scene.context(None, None))?.document;
     }
     let mut lights = document.light_instances();

@@ -1,6 +1,6 @@
 //! Gestures: everybody sees them live, and the log gets them on commit.
 
-use document::Change;
+use document::{Change, CommandSolution};
 use edit::{Actor, EditRefusal, Gesture};
 use light::LightId;
 use protocol::{GestureState, GestureStatus};
@@ -43,7 +43,10 @@ impl Room {
         };
         let now_ms = self.clock_ms();
         let solved = command.as_ref().ok().and_then(|completed| completed.solved.as_ref());
-        let outcome = solved.map(|solved| Box::new(protocol::DragOutcome::from(&solved.outcome)));
+        let outcome = solved.and_then(|solved| match solved {
+            CommandSolution::Drag(drag) => Some(Box::new(protocol::DragOutcome::from(&drag.outcome))),
+            _ => None,
+        });
         let updated = command.and_then(|CompletedCommand { command, solved }| {
             let context = self.scene.decoded.context(None, solved.as_ref());
             Ok(self.session.update_gesture(id, update, command, actor, now_ms, context).cloned()?)

@@ -1,17 +1,17 @@
 //! Groups of edits that make one step. Each edit is read in the document after the ones before it, including names.
 
-use document::{Command, Document, GroupedCommand, execute_command};
-use drag::DragResult;
+use document::{Command, CommandSolution, Document, GroupedCommand, execute_command};
 use edit::{EditRefusal, GroupedEdit};
 
 use crate::ServerError;
 use crate::request::RequestedEdit;
 use crate::scenes::DecodedScene;
 
-/// A command, completed from the scene, with the result of its drag.
+/// A command, completed from the scene, with its solution if it needs one.
+#[derive(Clone)]
 pub(super) struct CompletedCommand {
     pub command: Command,
-    pub solved: Option<DragResult>,
+    pub solved: Option<CommandSolution>,
 }
 
 /// Returns the edits as they apply from `document` on, in `scene`. `complete` completes a command from the scene in a

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::task::Poll;
 
+use document::Document;
 use protocol::ServerMessage;
 use tokio::sync::{OwnedSemaphorePermit, mpsc};
 
@@ -17,15 +18,15 @@ use crate::limits::MAX_TICK_MESSAGES;
 use crate::outboxes::ClientId;
 use crate::request::ClientRequest;
 
-/// Removes updates of feature drags that the client's next editing message supersedes. A solve takes longer than the
-/// time between updates, so the picture would fall behind the cursor.
-fn drop_superseded_drags(messages: &mut Vec<RoomMessage>) {
+/// Removes updates of drags that are solved and that the client's next editing message supersedes. A solve takes longer
+/// than the time between updates, so the picture would fall behind the cursor.
+fn drop_superseded_drags(messages: &mut Vec<RoomMessage>, document: &Document) {
     let mut latest: BTreeMap<ClientId, usize> = BTreeMap::new();
     let mut superseded = vec![false; messages.len()];
     for (number, message) in messages.iter().enumerate() {
         let before = message.editing_client().and_then(|client| latest.insert(client, number));
         if let Some(before) = before {
-            superseded[before] = message.supersedes(&messages[before]);
+            superseded[before] = message.supersedes(&messages[before], document);
         }
     }
     let mut superseded = superseded.into_iter();
@@ -57,7 +58,7 @@ impl Room {
             }
         }
         // A solved update is shown even if a newer one has come. Otherwise a slow drag would never be shown.
-        drop_superseded_drags(&mut behind);
+        drop_superseded_drags(&mut behind, self.session.document());
         now.append(&mut behind);
         let mut tick = Tick { earlier_outcomes: self.earlier_outcomes(&now).await, ..Tick::default() };
         for message in now {
@@ -99,7 +100,9 @@ impl Room {
             _ => None,
         });
         let runnable = self.batches.iter().filter(|batch| !batch.solves.is_pending());
-        let of_batches = runnable.flat_map(|batch| batch.next_steps(share).iter().map(|step| (&batch.principal, step)));
+        let document = self.session.document();
+        let of_batches =
+            runnable.flat_map(|batch| batch.next_steps(share, document).iter().map(|step| (&batch.principal, step)));
         let operations = of_clients.chain(of_batches);
         let keys = operations.map(|(principal, step)| (principal.actor.id.clone(), step.op_id.clone())).collect();
         self.outcomes(keys).await
@@ -119,9 +122,9 @@ impl Room {
                 self.batches.push_back(batch);
                 continue;
             }
-            batch.drop_unawaited_solves();
+            batch.drop_unawaited_solves(self.session.document());
             // At least one step of each, so no request waits for the end of another.
-            for taken in 0..batch.next_steps(share).len() {
+            for taken in 0..batch.next_steps(share, self.session.document()).len() {
                 if taken > 0 && tick.is_full() {
                     break;
                 }

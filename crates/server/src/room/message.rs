@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use document::{Command, Document};
+use document::{Document, needs_solution};
 use protocol::EditResults;
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot, watch};
 use tokio_util::sync::CancellationToken;
@@ -65,11 +65,14 @@ impl RoomMessage {
 
     /// True if the message makes `before` useless, the client's previous editing message. That holds for an update of a
     /// feature drag, since a solve takes longer than the time between updates.
-    pub(super) fn supersedes(&self, before: &Self) -> bool {
-        let Self::Client { request, .. } = before else { return false };
-        let ClientRequest::UpdateGesture { gesture, command: Ok(Command::DragFeature { .. }), .. } = request else {
+    pub(super) fn supersedes(&self, before: &Self, document: &Document) -> bool {
+        let Self::Client { request: ClientRequest::UpdateGesture { gesture, command: Ok(command), .. }, .. } = before
+        else {
             return false;
         };
+        if !needs_solution(document, command) {
+            return false;
+        }
         match self {
             Self::Client {
                 request: ClientRequest::UpdateGesture { gesture: later, .. } | ClientRequest::CancelGesture(later),

@@ -1,5 +1,5 @@
-//! Queues of messages that wait for a solve outside the session's task: the drag of a feature, or the range of a light
-//! that is bent.
+//! Queues of messages that wait for a solve outside the session's task: the drag of a feature, the range of a light that
+//! is bent, or an edit of a light with hard pins.
 //!
 //! Editing messages of a client are carried out in order, and so are the steps of a program's request. While a step
 //! waits for a solve, the client's later edits or the rest of the request wait too. Other clients do not wait, nor do
@@ -8,7 +8,7 @@
 
 use std::task::Poll;
 
-use document::Command;
+use document::{Command, needs_solution};
 use edit::Actor;
 use tokio::sync::OwnedSemaphorePermit;
 use tokio::task::{Id, JoinError};
@@ -23,7 +23,7 @@ use crate::ServerError;
 use crate::charges::Payer;
 use crate::limits::{MAX_SOLVE_TRIES, MAX_TICK_MESSAGES};
 use crate::outboxes::ClientId;
-use crate::request::{ClientRequest, RecordAction, RecordRequest, RequestedCommand, RequestedEdit, needs_scene};
+use crate::request::{ClientRequest, RecordAction, RecordRequest, RequestedEdit, needs_scene};
 
 /// Client or program that waits for a solve.
 #[derive(Clone, Copy)]
@@ -68,16 +68,19 @@ impl Room {
             return Poll::Ready(None);
         }
         match action {
-            RecordAction::Edit(RequestedEdit { command: RequestedCommand::Command(command), .. }) => {
-                self.solution(command, asker, solves)
-            }
+            RecordAction::Edit(edit) => match edit.command.if_it_needs_scene(self.session.document()) {
+                Some(command) => self.solution(&command, asker, solves),
+                None => Poll::Ready(None),
+            },
             RecordAction::Group(edits) => self.solution_of_group(edits, asker, solves),
             RecordAction::Commit(id) => match self.gesture_of(id, asker.actor).and_then(|gesture| gesture.command) {
                 // A bent light was solved at its update, and its command is complete.
-                None | Some(Command::BendLight { .. }) => Poll::Ready(None),
-                Some(command) => self.solution(&command, asker, solves),
+                Some(command) if needs_solution(self.session.document(), &command) => {
+                    self.solution(&command, asker, solves)
+                }
+                Some(_) | None => Poll::Ready(None),
             },
-            RecordAction::Edit(_) | RecordAction::Undo(_) | RecordAction::Redo(_) => Poll::Ready(None),
+            RecordAction::Undo(_) | RecordAction::Redo(_) => Poll::Ready(None),
         }
     }
 
@@ -98,7 +101,7 @@ impl Room {
     /// session's task. The result is pending until the solve ends or the asker no longer waits. After too many changes of its
     /// inputs by others it is an error.
     pub(super) fn solution(&mut self, command: &Command, asker: Asker, solves: &mut SolveState) -> Poll<FoundSolution> {
-        if !needs_scene(command) {
+        if !needs_scene(command, self.session.document()) {
             return Poll::Ready(None);
         }
         match solves.take_solution(command, self.session.document()) {
@@ -151,7 +154,7 @@ impl Room {
             client.discard_uncommitted();
         }
         while let Some(last) = client.queued.back()
-            && message.supersedes(last)
+            && message.supersedes(last, self.session.document())
         {
             if client.queued.len() == 1 {
                 // Without this exception the picture would stand still, since no update would ever be solved to its

@@ -1,11 +1,10 @@
 //! Parts of commands that only the scene determines, solved on threads outside the session's task: the result of a
-//! feature drag, and the range of a light that is bent.
+//! feature drag, the range of a light that is bent, and the hard pins that an edit keeps.
 
 use std::cell::RefCell;
 use std::task::Poll;
 
-use document::{Command, Document, EditError, fill_in_from_scene, solve_drag_budgeted};
-use drag::DragResult;
+use document::{Command, CommandSolution, Document, EditError, fill_in_from_scene, needs_solution, solve_command};
 use drag::WorkBudget;
 use edit::{EditRequest, GroupedEdit};
 use tokio::task::{AbortHandle, Id};
@@ -18,13 +17,11 @@ use crate::request::{RecordAction, RequestedEdit, needs_scene};
 use crate::scenes::DecodedScene;
 use crate::solver::{SolveTurn, Solver};
 
-/// Part of a command's result that depends on the scene.
+/// Part of a step's result that depends on the scene.
 #[derive(Clone)]
-pub(super) enum CommandSolution {
-    /// Result of a feature drag.
-    Drag(DragResult),
-    /// The command that bends a light, completed.
-    Bend(Command),
+pub(super) enum StepSolution {
+    /// The completed command, with its solution.
+    Command(CompletedCommand),
     /// The edits of a group, each in the document after the ones before it.
     Group(Vec<GroupedEdit>),
 }
@@ -33,7 +30,7 @@ pub(super) enum CommandSolution {
 pub(super) struct SolvedCommand {
     command: Command,
     document: Document,
-    result: Result<CommandSolution, EditError>,
+    result: Result<CompletedCommand, EditError>,
 }
 
 /// Solves of one sequence of edits: of a client, or of a program's request.
@@ -51,34 +48,35 @@ pub(super) struct SolveState {
 }
 
 /// The solution of a request. `None` if the request needs none.
-pub(super) type FoundSolution = Option<Result<CommandSolution, ServerError>>;
+pub(super) type FoundSolution = Option<Result<StepSolution, ServerError>>;
 
 /// Completes a command with its solution.
 pub(super) fn with_solution(command: Command, found: FoundSolution) -> Result<CompletedCommand, ServerError> {
     Ok(match found.transpose()? {
-        Some(CommandSolution::Drag(solved)) => CompletedCommand { command, solved: Some(solved) },
-        Some(CommandSolution::Bend(command)) => CompletedCommand { command, solved: None },
-        Some(CommandSolution::Group(_)) | None => CompletedCommand { command, solved: None },
+        Some(StepSolution::Command(completed)) => completed,
+        Some(StepSolution::Group(_)) | None => CompletedCommand { command, solved: None },
     })
 }
 
-/// Builds the session's request for an action in this document, with the result of its drag. The solution of a group is
-/// the request itself.
+/// Builds the session's request for an action in this document, with the solution of its command. The solution of a
+/// group is the request itself.
 pub(super) fn into_edit_request(
     action: RecordAction,
     found: FoundSolution,
     document: &Document,
-) -> Result<(EditRequest, Option<DragResult>), ServerError> {
+) -> Result<(EditRequest, Option<CommandSolution>), ServerError> {
     Ok(match (action, found) {
         (RecordAction::Edit(RequestedEdit { base_seq, command }), found) => {
             let CompletedCommand { command, solved } = with_solution(command.of(document)?, found)?;
             (EditRequest::Edit { base_seq, command }, solved)
         }
-        (RecordAction::Group(_), Some(Ok(CommandSolution::Group(edits)))) => (EditRequest::Group(edits), None),
+        (RecordAction::Group(_), Some(Ok(StepSolution::Group(edits)))) => (EditRequest::Group(edits), None),
         (RecordAction::Group(_), Some(Err(error))) => return Err(error),
         (RecordAction::Group(_), _) => return Err(ServerError::Internal),
         // A failed solve of a commit is reported at the end of the gesture.
-        (RecordAction::Commit(id), Some(Ok(CommandSolution::Drag(solved)))) => (EditRequest::Commit(id), Some(solved)),
+        (RecordAction::Commit(id), Some(Ok(StepSolution::Command(completed)))) => {
+            (EditRequest::Commit(id), completed.solved)
+        }
         (RecordAction::Commit(id), _) => (EditRequest::Commit(id), None),
         (RecordAction::Undo(scope), _) => (EditRequest::Undo(scope), None),
         (RecordAction::Redo(scope), _) => (EditRequest::Redo(scope), None),
@@ -88,17 +86,16 @@ pub(super) fn into_edit_request(
 impl SolvedCommand {
     /// True if the solve would give the same result for `document`.
     fn is_valid_for(&self, command: &Command, document: &Document) -> bool {
-        let (Command::DragFeature { light, .. } | Command::BendLight { light, .. }) = command else {
-            return false;
-        };
-        self.command == *command
+        let Some(light) = &command.light() else { return false };
+        let is_same = self.command == *command || self.result.as_ref().is_ok_and(|done| done.command == *command);
+        is_same
             && self.document.scene() == document.scene()
             && self.document.lights().get(light) == document.lights().get(light)
             && self.document.pins_of(*light).eq(document.pins_of(*light))
     }
 
-    pub fn solution(&self) -> Result<CommandSolution, ServerError> {
-        Ok(self.result.clone()?)
+    pub fn solution(&self) -> Result<StepSolution, ServerError> {
+        Ok(StepSolution::Command(self.result.clone()?))
     }
 }
 
@@ -129,7 +126,7 @@ impl SolveState {
         }
         let mut is_missing = false;
         let known = resolve_group(edits, document, scene, |command, draft| {
-            let found = needs_scene(&command).then(|| {
+            let found = needs_scene(&command, draft).then(|| {
                 self.cached_solution(&command, draft).unwrap_or_else(|| {
                     is_missing = true;
                     Err(ServerError::Internal)
@@ -141,7 +138,7 @@ impl SolveState {
             return Poll::Pending;
         }
         self.attempts = 0;
-        Poll::Ready(Some(known.map(CommandSolution::Group)))
+        Poll::Ready(Some(known.map(StepSolution::Group)))
     }
 
     fn cached_solution(&self, command: &Command, document: &Document) -> FoundSolution {
@@ -199,13 +196,12 @@ pub(super) async fn solve(
         let turn = RefCell::new(turn);
         let may_continue = |steps| turn.borrow_mut().may_continue(steps);
         let solved = |command: &Command, document: &Document| {
-            let result = match command {
-                Command::DragFeature { light, drag } => {
-                    let work = WorkBudget::new(&may_continue);
-                    solve_drag_budgeted(document, *light, drag, &bvh, &work).map(CommandSolution::Drag)
-                }
-                other => Ok(CommandSolution::Bend(fill_in_from_scene(other.clone(), document, &bvh))),
-            };
+            let completed = fill_in_from_scene(command.clone(), document, &bvh);
+            let solution = needs_solution(document, &completed).then(|| {
+                let work = WorkBudget::new(&may_continue);
+                solve_command(document, &completed, bvh.posed.bounds(), &bvh, &work)
+            });
+            let result = solution.transpose().map(|solved| CompletedCommand { command: completed, solved });
             SolvedCommand { command: command.clone(), document: document.clone(), result }
         };
         match task {
@@ -214,7 +210,7 @@ pub(super) async fn solve(
                 let mut all = Vec::new();
                 // The error is found again when the group is carried out.
                 let _ = resolve_group(&edits, &document, &scene, |command, draft| {
-                    let found = needs_scene(&command).then(|| {
+                    let found = needs_scene(&command, draft).then(|| {
                         let solved = solved(&command, draft);
                         let answer = solved.solution();
                         all.push(solved);

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{Change, Command, SceneContents};
-use drag::DragResult;
+use document::{Change, Command, CommandSolution, SceneContents};
 use edit::{Actor, EditRequest, EditSources, Record, Reverted};
 use protocol::{EditResult, GestureStatus, Outcome, ServerMessage};
 use store::Rejection;
@@ -49,7 +48,7 @@ impl Room {
     async fn outcome_of(
         &mut self,
         op_id: &str,
-        request: Result<(EditRequest, Option<DragResult>), ServerError>,
+        request: Result<(EditRequest, Option<CommandSolution>), ServerError>,
         actor: &Actor,
         tick: &mut Tick,
     ) -> (Outcome, bool) {
@@ -77,7 +76,7 @@ impl Room {
     async fn apply_request(
         &mut self,
         request: EditRequest,
-        solved: Option<DragResult>,
+        solved: Option<CommandSolution>,
         actor: &Actor,
         op_id: &str,
         tick: &mut Tick,

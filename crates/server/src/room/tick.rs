@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::vec;
 
+use document::Document;
 use edit::{Actor, Record};
 use protocol::{EditResult, EditResults, GestureState, Outcome, ServerMessage};
 use store::{Rejection, StoreError};
@@ -107,19 +108,21 @@ impl Tick {
 impl RequestBatch {
     /// Drops the remaining steps of a request if the next one needs a solve and the program no longer waits for the
     /// answer.
-    pub fn drop_unawaited_solves(&mut self) {
-        if self.cancellation.is_cancelled() && self.steps.as_slice().first().is_some_and(RecordRequest::needs_scene) {
+    pub fn drop_unawaited_solves(&mut self, document: &Document) {
+        let needs_scene = |step: &RecordRequest| step.needs_scene(document);
+        if self.cancellation.is_cancelled() && self.steps.as_slice().first().is_some_and(needs_scene) {
             self.steps = Vec::new().into_iter();
         }
     }
 
     /// Returns the steps that a tick with room for `share` steps can reach: if one needs a solve, only up to the step
     /// after it.
-    pub fn next_steps(&self, share: usize) -> &[RecordRequest] {
+    pub fn next_steps(&self, share: usize, document: &Document) -> &[RecordRequest] {
         let steps = self.steps.as_slice();
-        let next_solve = steps.iter().skip(1).position(RecordRequest::needs_scene);
+        let steps = &steps[..share.min(steps.len())];
+        let next_solve = steps.iter().skip(1).position(|step| step.needs_scene(document));
         let up_to_it = next_solve.map_or(steps.len(), |between| between + 2);
-        &steps[..up_to_it.min(share)]
+        &steps[..up_to_it.min(steps.len())]
     }
 }
 

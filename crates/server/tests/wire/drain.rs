@@ -20,7 +20,7 @@ async fn a_server_that_stops_finishes_what_it_has_accepted() {
     let (mut client, welcome) = Client::join(&own.door, "main", "Ada").await;
     for step in 0..10 {
         let parameter = CONE_ANGLE.to(20.0 + f64::from(step)).into();
-        let command = Command::SetLight { light: 1, parameter };
+        let command = Command::SetLight { light: 1, parameter, ignore_pins: false };
         client.say_edit(&format!("edit {step}"), welcome.seq, command).await;
     }
     client.outcome("edit 0").await;

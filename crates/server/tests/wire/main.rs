@@ -8,6 +8,7 @@ mod drain;
 mod errors;
 mod groups;
 mod hello;
+mod kept_pins;
 mod limits;
 mod methods;
 mod metrics;

@@ -20,7 +20,7 @@ fn all_are_committed(answer: &Value) -> bool {
 }
 
 fn cone_angle(degrees: f64) -> Command {
-    Command::SetLight { light: 1, parameter: CONE_ANGLE.to(degrees).into() }
+    Command::SetLight { light: 1, parameter: CONE_ANGLE.to(degrees).into(), ignore_pins: false }
 }
 
 async fn edited(client: &mut Client, op_id: &str, base_seq: u64, command: Command) -> Outcome {

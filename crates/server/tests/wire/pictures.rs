@@ -69,7 +69,7 @@ async fn a_follower_sees_the_same_frames() {
 
     // A name is not visible, so the next frame is of the edit after it.
     for (op_id, parameter) in [("name", NAME.to("lamp".into()).into()), ("narrow", CONE_ANGLE.to(15.0).into())] {
-        ada.say_edit(op_id, 1, Command::SetLight { light: 1, parameter }).await;
+        ada.say_edit(op_id, 1, Command::SetLight { light: 1, parameter, ignore_pins: false }).await;
     }
     for _ in 0..2 {
         let (hers, his) = (ada.frame().await, bob.frame().await);
@@ -98,7 +98,7 @@ async fn an_edit_ends_a_lossless_frame_under_way() {
     assert!(first.flags.is_settled && !first.flags.is_last_tile, "a lossless frame has many tiles");
 
     let parameter = EXPOSURE.to(-1.0).into();
-    ada.say_edit("dim", 1, Command::SetLight { light: 1, parameter }).await;
+    ada.say_edit("dim", 1, Command::SetLight { light: 1, parameter, ignore_pins: false }).await;
     let next = loop {
         let tile = ada.tile().await;
         if tile.frame != first.frame {

@@ -139,5 +139,5 @@ async fn a_client_that_has_not_read_for_a_while_gets_the_current_state_and_then_
 
 /// Returns a command that changes no picture.
 fn rename() -> Command {
-    Command::SetLight { light: 1, parameter: NAME.to("lamp".into()).into() }
+    Command::SetLight { light: 1, parameter: NAME.to("lamp".into()).into(), ignore_pins: false }
 }

@@ -84,12 +84,12 @@ impl Log {
             match step % 7 {
                 3 => {
                     let setting = POINT_INTENSITY.to(value + 1.5);
-                    log.edit(Command::SetPoint { light, point: 1, setting });
+                    log.edit(Command::SetPoint { light, point: 1, setting, ignore_pins: false });
                 }
                 6 => log.undo(),
                 _ => {
                     let setting = TRANSLATION.to(DVec3::splat(value));
-                    log.edit(Command::SetLight { light, setting });
+                    log.edit(Command::SetLight { light, setting, ignore_pins: false });
                 }
             }
         }
