@@ -98,6 +98,8 @@ pub const MAX_EDITS: usize = 1_000;
 pub const MAX_GROUP_EDITS: usize = MAX_TICK_MESSAGES;
 /// Greatest number of feature drags in a request. Each takes some milliseconds.
 pub const MAX_DRAGS: usize = 1_000;
+/// Most drags of a request whose alternatives are listed. Each is drawn up to five times.
+pub const MAX_DRAGS_WITH_ALTERNATIVES: usize = 16;
 /// Greatest number of records in an answer of the log.
 pub const MAX_LOG_RECORDS: usize = 10_000;
 /// Greatest number of listed nodes of a scene.

@@ -20,7 +20,7 @@ use super::render::default_camera;
 use super::thumbnail::draw_thumbnail;
 use crate::ServerError;
 use crate::charges::Payer;
-use crate::limits::MAX_DRAGS;
+use crate::limits::{MAX_DRAGS, MAX_DRAGS_WITH_ALTERNATIVES};
 use crate::request::valid_camera;
 use crate::room::SessionSnapshot;
 use crate::scenes::DecodedScene;
@@ -50,8 +50,12 @@ pub async fn answer(
     }
     let SessionSnapshot { document, scene, lease, .. } = state.rooms.snapshot(&name).await?;
     let drags = drags.iter().map(|drag| resolve_drag(drag, &document, &scene)).collect::<Result<Vec<_>, _>>()?;
-    let draws = drags.iter().any(|drag| drag.wants_alternatives);
-    let _permit = draws.then(|| state.stills.acquire(&name)).transpose()?;
+    let draws = drags.iter().filter(|drag| drag.wants_alternatives).count();
+    if draws > MAX_DRAGS_WITH_ALTERNATIVES {
+        let what = "drags with `alternatives` in a request";
+        return Err(ServerError::TooMany { what, limit: MAX_DRAGS_WITH_ALTERNATIVES });
+    }
+    let _permit = (draws > 0).then(|| state.stills.acquire(&name)).transpose()?;
     let bvh = scene.bvh().await?;
     let mut answers = Vec::with_capacity(drags.len());
     for drag in drags {
@@ -61,7 +65,7 @@ pub async fn answer(
         let (best, all, seconds) = state.services.solver.run(Payer::program(&name), solve).await?;
         let mut answer = DragResult::new(&best, &all, seconds);
         for (alternative, solved) in answer.alternatives.iter_mut().zip(&all) {
-            if let Some(after) = document_after(&document, &scene, &drag, solved)? {
+            if let Some(after) = document_after(&document, &scene, &drag, solved) {
                 let drawn = draw_thumbnail(&state, (&name, &lease), &after, &scene, &drag.drag.view);
                 alternative.thumbnail = Some(drawn.await?);
             }
@@ -84,21 +88,16 @@ fn solve_drag(bvh: &Bvh, resolved: &ResolvedDrag, turn: &mut SolveTurn) -> (Solv
     (best, all, began.elapsed().as_secs_f64())
 }
 
-/// Returns the document after a drag. `None` if the drag was refused.
-fn document_after(
-    document: &Document,
-    scene: &DecodedScene,
-    drag: &ResolvedDrag,
-    solved: &Solved,
-) -> Result<Option<Document>, ServerError> {
+/// Returns the document after a drag. `None` if the drag was refused, or if the document has no room for its copy.
+fn document_after(document: &Document, scene: &DecodedScene, drag: &ResolvedDrag, solved: &Solved) -> Option<Document> {
     if let DragStatus::Refused(_) = solved.outcome.status {
-        return Ok(None);
+        return None;
     }
     // Pins of the request are no pins of the document.
     let copy = solved.copy.clone().map(|copy| LightCopy { pins: Vec::new(), ..copy });
     let solved = CommandSolution::Drag(Box::new(Solved { copy, ..solved.clone() }));
     let command = Command::DragFeature { light: drag.id, drag: Box::new(drag.drag.clone()) };
-    Ok(Some(execute_command(document, &command, scene.context(None, Some(&solved)))?.document))
+    Some(execute_command(document, &command, scene.context(None, Some(&solved))).ok()?.document)
 }
 
 /// Resolves the names of lights and cameras in the document. A drag without pins of its own gets the document's.

@@ -135,7 +135,11 @@ pub async fn render(State(state): App, SessionName(name): SessionName, headers: 
 }
 
 /// Draws the picture of one AOV. Returns its pixels and its line for the trace, which still lacks the time of encoding.
-async fn draw(state: &AppState, session: &str, request: PictureRequest) -> Result<(Pixels, PictureTrace), ServerError> {
+pub async fn draw(
+    state: &AppState,
+    session: &str,
+    request: PictureRequest,
+) -> Result<(Pixels, PictureTrace), ServerError> {
     let (size, asked_at) = ([request.view.width, request.view.height], Instant::now());
     let drawn = state.services.renders.draw(request).await;
     // While the server stops, the end of the renderer is no fault.

@@ -12,6 +12,7 @@ use render::{Background, PictureOrigin};
 use scene::View;
 
 use super::picture_files::{DrawnPictures, PictureFiles};
+use super::render::draw;
 use crate::ServerError;
 use crate::background as in_background;
 use crate::charges::Payer;
@@ -50,9 +51,14 @@ pub async fn draw_thumbnail(
         urgency: Urgency::Still,
         ticket: PictureTicket::since(Instant::now()),
     };
-    let pixels = state.services.renders.draw(request).await?.pixels;
+    let (pixels, mut trace) = draw(state, name, request).await?;
     let drawn = DrawnPictures { view, lights, light: None, pixels };
-    let png = in_background::run(move || files.add(&drawn)?.finish(&drawn.view, &PictureOrigin::default()));
+    let png = in_background::run(move || {
+        let began = Instant::now();
+        let png = files.add(&drawn)?.finish(&drawn.view, &PictureOrigin::default());
+        trace.encoded(began.elapsed());
+        png
+    });
     let (_, png) = png.await??;
     Ok(STANDARD.encode(png))
 }
