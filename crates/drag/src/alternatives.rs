@@ -24,14 +24,20 @@ struct Solved {
 
 /// Drags by the alternative that the drag chooses, or by what it names itself.
 pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
-    let sample = PictureSample::new(task.bvh, &task.drag.view, task.light, task.work);
+    // A refused drag has no picture to measure.
+    let measured_alone = |result: DragResult| match result.outcome.status {
+        DragStatus::Refused(_) => result,
+        _ => measured(&sample_of(task), result).result,
+    };
     match task.drag.choice {
-        None => measured(&sample, solved(task, true)).result,
+        None => measured_alone(solved(task, true)),
         Some(DragChoice::Only(alternative)) => {
-            let result = solve_alternative(task, alternative).unwrap_or_else(|refusal| refused(task, refusal));
-            named(&sample, result, alternative).result
+            let mut result = solve_alternative(task, alternative).unwrap_or_else(|refusal| refused(task, refusal));
+            result.outcome.alternative = Some(alternative);
+            measured_alone(result)
         }
         Some(DragChoice::Best) => {
+            let sample = sample_of(task);
             let mut best: Option<Solved> = None;
             let own = Alternative::ALL.into_iter().filter(|alternative| *alternative != Alternative::LinkedCopy);
             for alternative in own {
@@ -57,7 +63,7 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
 /// Solves a drag by each alternative that the light and the feature have. Returns the best first, then those that land,
 /// are limited and are refused, each by what they change. Of those with the same picture, the first remains.
 pub(crate) fn drag_all(task: DragTask) -> Vec<DragResult> {
-    let sample = PictureSample::new(task.bvh, &task.drag.view, task.light, task.work);
+    let sample = sample_of(task);
     let mut all: Vec<Solved> = Vec::new();
     for alternative in Alternative::ALL {
         // Radii that need not shrink give the same light as those that are kept.
@@ -105,14 +111,19 @@ impl Solved {
     }
 }
 
+fn sample_of(task: DragTask<'_>) -> PictureSample<'_> {
+    PictureSample::new(task.bvh, &task.drag.view, task.light, task.work)
+}
+
 /// Solves a drag by an alternative. `None` if the light or the feature does not have it.
 fn solve_listed(task: DragTask, sample: &PictureSample, alternative: Alternative) -> Option<Solved> {
-    let result = match solve_alternative(task, alternative) {
+    let mut result = match solve_alternative(task, alternative) {
         Ok(result) => result,
         Err(refusal @ DragRefusal::TooLittleRoom) => refused(task, refusal),
         Err(_) => return None,
     };
-    Some(named(sample, result, alternative))
+    result.outcome.alternative = Some(alternative);
+    Some(measured(sample, result))
 }
 
 /// Solves a drag by an alternative, or says why the light or the feature does not have it.
@@ -159,12 +170,6 @@ fn is_limited_by_fold(solved: &Solved) -> bool {
     [DragStatus::Limited(DragLimit::Fold), DragStatus::Refused(DragRefusal::Limited(DragLimit::Fold))].contains(&status)
 }
 
-/// Names the alternative of a result, and measures the picture after it.
-fn named(sample: &PictureSample, mut result: DragResult, alternative: Alternative) -> Solved {
-    result.outcome.alternative = Some(alternative);
-    measured(sample, result)
-}
-
 /// Measures the picture after a drag.
 fn measured(sample: &PictureSample, mut result: DragResult) -> Solved {
     let mut after = Vec::new();
@@ -174,7 +179,7 @@ fn measured(sample: &PictureSample, mut result: DragResult) -> Solved {
         && let Ok(checked) = checked
     {
         after = sample.irradiances(&checked);
-        result.outcome.changed_share = Some(sample.changed_share(&after));
+        result.outcome.changed_share = sample.changed_share(&after);
     }
     Solved { result, after }
 }

@@ -5,12 +5,10 @@ use light::parameters::{LIGHT_LINK, NAME};
 use light::{CheckedLight, Light, Links, MAX_NAME_BYTES};
 
 use crate::occlusion::{Occlusion, seen_at};
+use crate::pin_state::CONTACT;
 use crate::pins::node_named;
 use crate::point_in_light::SceneLight;
 use crate::request::{Drag, Feature, LightCopy, NumberedPin, PinTarget};
-
-/// Distance within which a pinned point lies on a surface, as a share of the scene's size.
-const CONTACT: f64 = 1e-5;
 
 /// Light as two that illuminate the scene as the one does.
 pub(crate) struct SplitLight {

@@ -56,10 +56,11 @@ impl<'a> PictureSample<'a> {
         all
     }
 
-    /// Returns the share of the picture's pixels whose light differs visibly from that at the start of the drag.
-    pub fn changed_share(&self, after: &[f64]) -> f64 {
+    /// Returns the share of the picture's pixels whose light differs visibly from that at the start of the drag. `None`
+    /// if the budget is spent, since rays that it cut short meet nothing.
+    pub fn changed_share(&self, after: &[f64]) -> Option<f64> {
         let changed = after.iter().zip(&self.before).filter(|(after, before)| self.differ(**after, **before));
-        changed.count() as f64 / f64::from(PIXELS)
+        (!self.work.is_exhausted()).then(|| changed.count() as f64 / f64::from(PIXELS))
     }
 
     /// True if two pictures cannot be told apart.

@@ -17,7 +17,7 @@ const UNLIT: f64 = 1e-6;
 
 /// Distance within which a hit is the pinned surface itself, as a share of the scene's size. The positions of pins come
 /// from clients and are rounded.
-const CONTACT: f64 = 1e-5;
+pub(crate) const CONTACT: f64 = 1e-5;
 
 /// Least distance of a pinned point from the edge of a shadow, in radii of the light.
 const SHADOW_EDGE_MARGIN: f64 = 2e-3;

@@ -180,7 +180,7 @@ pub struct DragOutcome {
     /// Alternative that the light follows, if the drag had a choice.
     pub alternative: Option<Alternative>,
     /// Share of the picture's pixels whose light changes by more than a fiftieth of a bright pixel's, from 256 pixels;
-    /// `None` if the drag was refused.
+    /// `None` if the drag was refused, or if its work is spent.
     pub changed_share: Option<f64>,
     /// Distance on the screen from the cursor to the feature, in pixels; infinite if the feature is not in the picture.
     pub residual_px: f64,
