@@ -2,13 +2,15 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use light::Links;
+use light::parameters::LIGHT_LINK;
 use protocol::{
     Action, Command, Drag, DragAlternative, DragChoice, DragKind, DragOutcome, DragRadii, GestureStatus, Pin, PinKind,
     PinTarget, Scope, parse_body,
 };
 use serde_json::{Value, json};
 
-use crate::sessions::support::{Mirror, Server, committed, drag_ends, ok, pixels, rejected, state_of};
+use crate::sessions::support::{Mirror, Server, committed, drag_ends, frame_pixels, ok, pixels, rejected, state_of};
 
 const SIZE: [u32; 2] = [640, 360];
 /// A pixel in the shadow of the blue vase's neck, and one farther down the table.
@@ -113,6 +115,35 @@ fn the_best_is_taken_live_and_named() {
     committed(&ada.undo(Scope::Mine));
     let one = committed(&ada.edited(drag(&ada, DragChoice::WholeLight)));
     assert_eq!(recorded(&server, one).alternative, Some(DragAlternative::WholeLight));
+}
+
+/// A picture of a drag in progress shows the light that the drag adds: it is the picture after the commit.
+///
+/// Rules: DRAG-8, FRAME-1
+#[test]
+fn a_linked_copy_is_seen_live() {
+    let (_server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
+    ben.open_view();
+    let mut seen_live = |ada: &mut Mirror, ben: &mut Mirror, alternative| {
+        ada.begin("drag");
+        ada.update("drag", 1, drag(ada, alternative));
+        let revision = state_of(ada, |state| state.update == 1).live_revision;
+        let (header, tiles) = ben.frame(|header| header.flags.is_settled && header.live_revision >= revision);
+        frame_pixels(&header, &tiles)
+    };
+    let live = seen_live(&mut ada, &mut ben, DragChoice::LinkedCopy);
+    ada.commit("drag");
+    let seq = committed(&ada.result("commit"));
+    let after = ben.settled(seq);
+    // Shadow maps of two documents differ in the last bit of a depth.
+    assert!(difference(&live, &after) <= 2, "{}", difference(&live, &after));
+    // Deliberate fault that the check must detect: the dragged light without its copy, as one that does not illuminate the vase.
+    committed(&ada.undo(Scope::Mine));
+    let key = ada.light();
+    let links = LIGHT_LINK.to(Links::new(Vec::new(), vec!["blue vase".into()])).into();
+    committed(&ada.edited(Command::SetLight { light: key, parameter: links, ignore_pins: false }));
+    let without = seen_live(&mut ada, &mut ben, DragChoice::WholeLight);
+    assert!(difference(&without, &after) > 20);
 }
 
 /// A linked copy adds a light that illuminates the caster alone and takes the caster's pins along. Live it is seen by all;

@@ -131,6 +131,13 @@ impl Document {
             *shown = placed.clone();
         }
     }
+
+    /// Adds a light that a drag in progress would add, under the next free id: drags of several clients may each add one.
+    pub fn add_live_light(&mut self, placed: &NumberedLight) {
+        let number = self.next_number();
+        self.take_number(number);
+        self.lights.insert(LightId(number), placed.clone());
+    }
 }
 
 /// Control points of a BendyLight, which are renumbered together.

@@ -48,6 +48,8 @@ pub struct LiveLight {
     pub(crate) before: NumberedLight,
     /// Light with the changes of the drag.
     pub(crate) after: NumberedLight,
+    /// Lights that the drag adds.
+    pub(crate) added: Vec<NumberedLight>,
 }
 
 impl LiveLight {
@@ -63,7 +65,12 @@ impl LiveLight {
             let placed = document.lights().get(&light).cloned();
             placed.ok_or(EditRefusal::Edit(EditError::NoLight(light)))
         };
-        Ok(Self { changes, outcome, before: placed(document)?, after: placed(&after)? })
+        let added = changes.iter().filter_map(|change| match change {
+            Change::Light { old: None, new: Some(added), .. } => Some(added.clone()),
+            _ => None,
+        });
+        let (added, before) = (added.collect(), placed(document)?);
+        Ok(Self { changes, outcome, before, after: placed(&after)?, added })
     }
 }
 

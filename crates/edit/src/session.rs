@@ -397,6 +397,7 @@ impl Session {
         for (light, shown) in self.gestures().filter_map(|gesture| Some((gesture.light, gesture.live.as_ref()?))) {
             if self.document.lights().get(&light) == Some(&shown.before) {
                 live.set_live_light(light, &shown.after);
+                shown.added.iter().for_each(|added| live.add_live_light(added));
             } else {
                 // The holder has changed another property of the light since the update.
                 let _ = live.apply(&shown.changes);
