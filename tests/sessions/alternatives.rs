@@ -124,7 +124,7 @@ fn the_best_is_taken_live_and_named() {
 fn a_linked_copy_is_seen_live() {
     let (_server, [mut ada, mut ben]) = Server::start_with(["ada", "ben"]);
     ben.open_view();
-    let mut seen_live = |ada: &mut Mirror, ben: &mut Mirror, alternative| {
+    let seen_live = |ada: &mut Mirror, ben: &mut Mirror, alternative| {
         ada.begin("drag");
         ada.update("drag", 1, drag(ada, alternative));
         let revision = state_of(ada, |state| state.update == 1).live_revision;

@@ -3,31 +3,48 @@
 use light::CheckedLight;
 
 use crate::linked_copy::split_light;
-use crate::occlusion::Occlusion;
+use crate::occlusion::{Occlusion, seen_at};
 use crate::past_caster::first_point_past_caster;
 use crate::picture_change::PictureSample;
-use crate::request::{Alternative, Drag, DragChoice, DragLimit, DragRefusal, DragResult, DragStatus, RadiusMode};
+use crate::request::{
+    Alternative, Drag, DragChoice, DragLimit, DragRefusal, DragResult, DragStatus, Feature, RadiusMode,
+};
 use crate::solve::{DragTask, refused, solved};
 
-/// Difference of the changed share by which a later alternative displaces an earlier one. Smaller differences are within
-/// the error of the measurement, and the choice would alternate along a cursor's way.
+/// Difference of the change of what is lit by which a later alternative displaces an earlier one. Smaller differences are
+/// within the error of the measurement, and the choice would alternate along a cursor's way.
 const CLEARLY_LESS: f64 = 0.03;
+
+/// Change of what is lit that is small enough: no other alternative is tried.
+const SMALL: f64 = 0.2;
 
 /// Difference of the residual by which a limited drag is nearer, in pixels.
 const CLEARLY_NEARER_PX: f64 = 2.0;
 
-/// Result of an alternative, with the picture's light after it, which is empty if the drag was refused.
+/// Result of an alternative.
 struct Solved {
     result: DragResult,
+    /// The picture's light after it; empty if the drag was refused.
     after: Vec<f64>,
+    /// Mean relative change of what was lit.
+    change_of_lit: f64,
+}
+
+/// Picture by which the alternatives of a drag are measured.
+struct Measure<'a> {
+    sample: PictureSample<'a>,
+    /// Node whose shadow is dragged.
+    moved_caster: Option<usize>,
 }
 
 /// Drags by the alternative that the drag chooses, or by what it names itself.
 pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
-    // A refused drag has no picture to measure.
-    let measured_alone = |result: DragResult| match result.outcome.status {
-        DragStatus::Refused(_) => result,
-        _ => measured(&sample_of(task), result).result,
+    let measured_alone = |mut result: DragResult| {
+        if let Some(lights) = lights_after(&result) {
+            let sample = PictureSample::new(task.bvh, &task.drag.view, task.light, task.work);
+            result.outcome.changed_share = sample.changed_share(&sample.irradiances(&lights));
+        }
+        result
     };
     match task.drag.choice {
         None => measured_alone(solved(task, true)),
@@ -37,17 +54,16 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
             measured_alone(result)
         }
         Some(DragChoice::Best) => {
-            let sample = sample_of(task);
+            let measure = Measure::new(task);
             let mut best: Option<Solved> = None;
             let own = Alternative::ALL.into_iter().filter(|alternative| *alternative != Alternative::LinkedCopy);
             for alternative in own {
-                // None is clearly better than one that changes so little.
-                if best.as_ref().is_some_and(|best| best.rank() <= CLEARLY_LESS) {
+                if best.as_ref().is_some_and(Solved::is_good_enough) {
                     break;
                 }
                 let is_repeated =
                     alternative == Alternative::Narrower && !best.as_ref().is_some_and(is_limited_by_fold);
-                let Some(new) = (if is_repeated { None } else { solve_listed(task, &sample, alternative) }) else {
+                let Some(new) = (if is_repeated { None } else { solve_listed(task, &measure, alternative) }) else {
                     continue;
                 };
                 if best.as_ref().is_none_or(|best| new.is_clearly_better(best)) {
@@ -63,12 +79,12 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
 /// Solves a drag by each alternative that the light and the feature have. Returns the best first, then those that land,
 /// are limited and are refused, each by what they change. Of those with the same picture, the first remains.
 pub(crate) fn drag_all(task: DragTask) -> Vec<DragResult> {
-    let sample = sample_of(task);
+    let measure = Measure::new(task);
     let mut all: Vec<Solved> = Vec::new();
     for alternative in Alternative::ALL {
         // Radii that need not shrink give the same light as those that are kept.
         if alternative != Alternative::Narrower || all.first().is_some_and(is_limited_by_fold) {
-            all.extend(solve_listed(task, &sample, alternative));
+            all.extend(solve_listed(task, &measure, alternative));
         }
     }
     let own = (0..all.len()).filter(|index| all[*index].result.outcome.alternative != Some(Alternative::LinkedCopy));
@@ -78,7 +94,7 @@ pub(crate) fn drag_all(task: DragTask) -> Vec<DragResult> {
     let mut listed: Vec<Solved> = Vec::new();
     for solved in first.into_iter().chain(all) {
         let is_solved = |solved: &Solved| !solved.after.is_empty();
-        let is_twin = |other: &Solved| is_solved(other) && sample.are_alike(&solved.after, &other.after);
+        let is_twin = |other: &Solved| is_solved(other) && measure.sample.are_alike(&solved.after, &other.after);
         if !(is_solved(&solved) && listed.iter().any(is_twin)) {
             listed.push(solved);
         }
@@ -87,15 +103,20 @@ pub(crate) fn drag_all(task: DragTask) -> Vec<DragResult> {
 }
 
 impl Solved {
-    /// Returns a number that is less for a better result: the changed share of one that landed, then 1 and more by the
-    /// residual of a limited one, then 3.
+    /// Returns a number that is less for a better result: the change of what is lit of one that landed, then 1 and more by
+    /// the residual of a limited one, then 3.
     fn rank(&self) -> f64 {
         let outcome = &self.result.outcome;
         match outcome.status {
-            DragStatus::Landed => outcome.changed_share.unwrap_or(1.0),
+            DragStatus::Landed => self.change_of_lit,
             DragStatus::Limited(_) => 1.0 + outcome.residual_px / (1.0 + outcome.residual_px),
             DragStatus::Refused(_) => 3.0,
         }
+    }
+
+    /// True if no later alternative displaces this one.
+    fn is_good_enough(&self) -> bool {
+        self.rank() <= SMALL
     }
 
     /// True if this result is clearly better than an earlier alternative's.
@@ -105,25 +126,45 @@ impl Solved {
             (DragStatus::Limited(_), DragStatus::Limited(_)) => {
                 own.residual_px < others.residual_px - CLEARLY_NEARER_PX
             }
-            (DragStatus::Landed, DragStatus::Landed) => self.rank() < other.rank() - CLEARLY_LESS,
+            (DragStatus::Landed, DragStatus::Landed) => {
+                !other.is_good_enough() && self.rank() < other.rank() - CLEARLY_LESS
+            }
             _ => self.rank() < other.rank(),
         }
     }
 }
 
-fn sample_of(task: DragTask<'_>) -> PictureSample<'_> {
-    PictureSample::new(task.bvh, &task.drag.view, task.light, task.work)
+impl<'a> Measure<'a> {
+    fn new(task: DragTask<'a>) -> Self {
+        let DragTask { bvh, light, drag, work, .. } = task;
+        let from = seen_at(bvh, &drag.view, drag.from, work).filter(|_| drag.feature == Feature::Shadow);
+        let moved_caster = from.and_then(|from| Occlusion::new(bvh, light, work).caster_of(light, &from));
+        let mut sample = PictureSample::new(bvh, &drag.view, light, work);
+        sample.add_lit_pixels(&drag.view, light);
+        Self { sample, moved_caster }
+    }
+
+    /// Measures the picture after a drag.
+    fn measured(&self, mut result: DragResult) -> Solved {
+        let Some(lights) = lights_after(&result) else {
+            return Solved { result, after: Vec::new(), change_of_lit: 1.0 };
+        };
+        let after = self.sample.irradiances(&lights);
+        result.outcome.changed_share = self.sample.changed_share(&after);
+        let change_of_lit = self.sample.change_of_lit(&lights[0], &after, self.moved_caster);
+        Solved { result, after, change_of_lit }
+    }
 }
 
 /// Solves a drag by an alternative. `None` if the light or the feature does not have it.
-fn solve_listed(task: DragTask, sample: &PictureSample, alternative: Alternative) -> Option<Solved> {
+fn solve_listed(task: DragTask, measure: &Measure, alternative: Alternative) -> Option<Solved> {
     let mut result = match solve_alternative(task, alternative) {
         Ok(result) => result,
         Err(refusal @ DragRefusal::TooLittleRoom) => refused(task, refusal),
         Err(_) => return None,
     };
     result.outcome.alternative = Some(alternative);
-    Some(measured(sample, result))
+    Some(measure.measured(result))
 }
 
 /// Solves a drag by an alternative, or says why the light or the feature does not have it.
@@ -170,16 +211,11 @@ fn is_limited_by_fold(solved: &Solved) -> bool {
     [DragStatus::Limited(DragLimit::Fold), DragStatus::Refused(DragRefusal::Limited(DragLimit::Fold))].contains(&status)
 }
 
-/// Measures the picture after a drag.
-fn measured(sample: &PictureSample, mut result: DragResult) -> Solved {
-    let mut after = Vec::new();
-    let lights = [Some(&result.light), result.copy.as_ref().map(|copy| &copy.light)];
-    let checked: Result<Vec<_>, _> = lights.into_iter().flatten().cloned().map(CheckedLight::new).collect();
-    if !matches!(result.outcome.status, DragStatus::Refused(_))
-        && let Ok(checked) = checked
-    {
-        after = sample.irradiances(&checked);
-        result.outcome.changed_share = sample.changed_share(&after);
+/// Returns the light after a drag, then its copy. `None` if the drag was refused: there is no picture to measure.
+fn lights_after(result: &DragResult) -> Option<Vec<CheckedLight>> {
+    if let DragStatus::Refused(_) = result.outcome.status {
+        return None;
     }
-    Solved { result, after }
+    let lights = [Some(&result.light), result.copy.as_ref().map(|copy| &copy.light)];
+    lights.into_iter().flatten().map(|light| CheckedLight::new(light.clone()).ok()).collect()
 }

@@ -7,7 +7,6 @@ use light::{CheckedLight, Light, Links, MAX_NAME_BYTES};
 use crate::occlusion::{Occlusion, seen_at};
 use crate::pin_state::CONTACT;
 use crate::pins::node_named;
-use crate::point_in_light::SceneLight;
 use crate::request::{Drag, Feature, LightCopy, NumberedPin, PinTarget};
 
 /// Light as two that illuminate the scene as the one does.
@@ -50,10 +49,7 @@ fn split_node(occlusion: &Occlusion, light: &CheckedLight, drag: &Drag) -> Optio
     if drag.feature != Feature::Shadow {
         return Some(from.node);
     }
-    let origin = occlusion.bvh.posed.origin_in_world;
-    let placed = SceneLight::new(light.rays(), origin, from.position, occlusion.work);
-    let coords = placed.locate(from.position, None)?;
-    let caster = occlusion.first_caster(&placed, &coords, &from)?.node;
+    let caster = occlusion.caster_of(light, &from)?;
     (caster != from.node && occlusion.is_node_lit(caster)).then_some(caster)
 }
 

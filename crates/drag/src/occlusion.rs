@@ -78,6 +78,14 @@ impl<'a> Occlusion<'a> {
         self.first_caster_on_path(placed, coords, coords.cross_coords, surface.position, own, |_| true)
     }
 
+    /// Finds the node whose shadow a surface point is in.
+    pub fn caster_of(&self, light: &CheckedLight, surface: &SeenPoint) -> Option<usize> {
+        let origin = self.bvh.posed.origin_in_world;
+        let placed = SceneLight::new(light.rays(), origin, surface.position, self.work);
+        let coords = placed.locate(surface.position, None)?;
+        self.first_caster(&placed, &coords, surface).map(|caster| caster.node)
+    }
+
     /// True if a surface point at `coords` is dark in pictures: the surface faces away from the light, or its shadow
     /// position is in shadow.
     pub fn is_unlit(&self, placed: &SceneLight, coords: &PointInLight, surface: &SeenPoint) -> bool {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use drag::{drag, drag_least_change};
+use drag::{Drag, DragChoice, DragResult, DragStatus, drag, drag_least_change};
 use light::{CheckedLight, Light};
 use serde::Serialize;
 
@@ -16,6 +16,13 @@ use crate::{Progress, Quantiles};
 
 /// Distance in pixels from the cursor within which a feature counts as being under the cursor.
 pub(super) const LANDED_PX: f64 = 0.5;
+
+/// Length in pixels of the ways whose steps are measured, and one of how many drags has such a way.
+const WAY_PX: usize = 12;
+const WAY_EVERY: usize = 5;
+
+/// Way of a control point in a step of a pixel that counts as a jump, in lengths of the light.
+const JUMP: f64 = 0.05;
 
 /// Results of the benchmark of drags.
 #[derive(Clone, Debug, Serialize)]
@@ -43,17 +50,22 @@ pub struct KindReport {
     pub way: &'static str,
     /// Number of drags made.
     pub drags: usize,
-    /// Results of the product.
+    /// Results of the product, which moves what was asked for: the whole light or the chosen control points.
     pub ours: DragErrors,
+    /// Results of the product with the page's defaults: the best alternative, with the source outside of surfaces.
+    pub best: DragErrors,
     /// Results of a solver that changes the light as little as it can, whatever that does to the picture.
     pub least_change: DragErrors,
     /// Results of the paper's formulas.
     pub paper: DragErrors,
+    /// Steps of `ours` and of `leastChange` between cursors a pixel apart.
+    pub jumps: Jumps,
+    pub jumps_of_least_change: Jumps,
     /// Iterations of the product's solver.
     pub iterations: Quantiles,
 }
 
-/// Results of one of the two solvers.
+/// Results of one of the solvers.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DragErrors {
@@ -70,20 +82,48 @@ pub struct DragErrors {
     /// Landed features that could be seen where they were taken, and those of them that can be seen at the cursor.
     pub visible: usize,
     pub seen: usize,
-    /// Share of the lit part of the picture that loses more than half of its brightness by a landed drag.
-    pub picture_lost: Quantiles,
+    /// Share of the lit part of the picture that keeps half of its brightness after a landed drag.
+    pub kept: KeptShares,
+    /// Share of the picture that changes visibly by a landed drag.
+    pub changed: Quantiles,
     /// Milliseconds, including the picks.
     pub ms: Quantiles,
 }
 
-/// Results of one drag by both solvers.
+/// Shares that landed drags keep.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct KeptShares {
+    /// Landed drags of lights that reach enough of the picture.
+    pub drags: usize,
+    pub median: f64,
+    /// Share that nine in ten of the drags keep at least.
+    pub worst_tenth: f64,
+}
+
+/// Changes of the light along ways of the cursor, a pixel at a time.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Jumps {
+    /// Steps between two cursors at which the feature lands.
+    pub steps: usize,
+    /// Steps that move a control point by more than a twentieth of the light's length.
+    pub jumps: usize,
+    /// Largest way of a control point in a step, in lengths of the light.
+    pub longest: f64,
+}
+
+/// Results of one drag by all solvers.
 #[derive(Clone, Debug)]
 pub(super) struct MeasuredTrial {
     pub kind: TrialKind,
     pub ours: DragError,
-    least_change: DragError,
+    pub best: DragError,
+    pub least_change: DragError,
     pub paper: DragError,
     iterations: usize,
+    /// Largest ways of a control point, in lengths of the light, of steps of a pixel: by the product and by the least change.
+    steps: [Vec<f64>; 2],
 }
 
 /// Error and time of one drag.
@@ -94,7 +134,7 @@ pub(super) struct DragError {
     pub px: f64,
     residual: f64,
     /// Change of the picture, if the feature landed.
-    picture: Option<PictureChange>,
+    pub picture: Option<PictureChange>,
     pub ms: f64,
 }
 
@@ -130,7 +170,8 @@ pub(super) fn measure_trials(
         for kind in TrialKind::all() {
             for number in 0..drags {
                 let trial = Trial::random(stage, kind, Trial::seed(seed, &stage.name, kind, number));
-                all.extend(trial.map(|trial| measure_trial(&grid, stage, &trial)));
+                let has_way = number < drags.div_ceil(WAY_EVERY);
+                all.extend(trial.map(|trial| measure_trial(&grid, stage, &trial, has_way)));
                 done += 1;
                 progress(Progress { done, of, what: stage.name.clone() });
             }
@@ -145,23 +186,57 @@ pub(super) fn measure_trials(
     (report, all)
 }
 
-fn measure_trial(grid: &PictureGrid, stage: &TrialScene, trial: &Trial) -> MeasuredTrial {
-    let began = Instant::now();
-    let result = drag(&stage.reference.bvh, &trial.light, &trial.drag, &[]);
-    let ours_ms = ms(began.elapsed());
-    let began = Instant::now();
-    let least_change = drag_least_change(&stage.reference.bvh, &trial.light, &trial.drag);
-    let least_change_ms = ms(began.elapsed());
-    let began = Instant::now();
-    let moved = paper::moved(stage, trial);
-    let paper_ms = ms(began.elapsed());
+fn measure_trial(grid: &PictureGrid, stage: &TrialScene, trial: &Trial, has_way: bool) -> MeasuredTrial {
+    let bvh = &stage.reference.bvh;
+    let by_picture = |asked: &Drag| drag(bvh, &trial.light, asked, &[]);
+    let by_least_change = |asked: &Drag| drag_least_change(bvh, &trial.light, asked);
+    let best = Drag { choice: Some(DragChoice::Best), points: None, source_outside: true, ..trial.drag.clone() };
+    let error = |light, ms| DragError::new(grid, stage, trial, light, ms);
+    let (result, result_ms) = timed(|| by_picture(&trial.drag));
+    let (best, best_ms) = timed(|| by_picture(&best));
+    let (least_change, least_change_ms) = timed(|| by_least_change(&trial.drag));
+    let (moved, moved_ms) = timed(|| paper::moved(stage, trial));
     MeasuredTrial {
         kind: trial.kind,
-        ours: DragError::new(grid, stage, trial, Some(result.light), ours_ms),
-        least_change: DragError::new(grid, stage, trial, Some(least_change.light), least_change_ms),
-        paper: DragError::new(grid, stage, trial, moved, paper_ms),
+        ours: error(Some(result.light), result_ms),
+        best: error(Some(best.light), best_ms),
+        least_change: error(Some(least_change.light), least_change_ms),
+        paper: error(moved, moved_ms),
         iterations: result.outcome.iterations,
+        steps: if has_way { [steps(trial, by_picture), steps(trial, by_least_change)] } else { Default::default() },
     }
+}
+
+/// Returns what `solve` does, and its time in milliseconds.
+fn timed<T>(solve: impl FnOnce() -> T) -> (T, f64) {
+    let began = Instant::now();
+    let solved = solve();
+    (solved, ms(began.elapsed()))
+}
+
+/// Drags to the cursor along the last pixels of its straight way, a pixel at a time. Returns the largest way of a control point in each step, in lengths
+/// of the light.
+fn steps(trial: &Trial, solve: impl Fn(&Drag) -> DragResult) -> Vec<f64> {
+    let Drag { from, to, .. } = trial.drag;
+    let ahead = (to - from).normalize_or_zero();
+    let landed = |number: usize| {
+        let result = solve(&Drag { to: to + ahead * (number as f64 - WAY_PX as f64), ..trial.drag.clone() });
+        (result.outcome.status == DragStatus::Landed).then_some(result.light)
+    };
+    let lights: Vec<Option<Light>> = (0..=WAY_PX).map(landed).collect();
+    let way = |pair: &[Option<Light>]| Some(largest_way(pair[0].as_ref()?, pair[1].as_ref()?));
+    lights.windows(2).filter_map(way).collect()
+}
+
+/// Returns the largest distance between the control points of two lights, as a share of the length of their polyline.
+fn largest_way(a: &Light, b: &Light) -> f64 {
+    let in_world = |light: &Light| {
+        let transform = light.transform();
+        light.points().iter().map(|point| transform.world_from_local(point.position)).collect::<Vec<_>>()
+    };
+    let (a, b) = (in_world(a), in_world(b));
+    let length: f64 = a.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    a.iter().zip(&b).map(|(a, b)| a.distance(*b) / length).fold(0.0, f64::max)
 }
 
 fn kind_report(kind: TrialKind, all: &[MeasuredTrial]) -> KindReport {
@@ -177,18 +252,43 @@ fn kind_report(kind: TrialKind, all: &[MeasuredTrial]) -> KindReport {
             residual: values(|one| one.residual),
             visible: count(|one| one.picture.is_some_and(|picture| picture.is_seen.is_some())),
             seen: count(|one| one.picture.is_some_and(|picture| picture.is_seen == Some(true))),
-            picture_lost: Quantiles::of(of_kind.iter().filter_map(|made| of(made).picture?.lost)),
+            kept: KeptShares::of(of_kind.iter().filter_map(|made| of(made).picture?.kept)),
+            changed: Quantiles::of(of_kind.iter().filter_map(|made| Some(of(made).picture?.changed))),
             ms: values(|one| one.ms),
         }
     };
+    let jumps = |solver: usize| Jumps::of(of_kind.iter().flat_map(|made| made.steps[solver].iter().copied()));
     KindReport {
         feature: kind.feature_name(),
         points: kind.points_name(),
         way: kind.distance_name(),
         drags: of_kind.len(),
         ours: side(|made| &made.ours),
+        best: side(|made| &made.best),
         least_change: side(|made| &made.least_change),
         paper: side(|made| &made.paper),
+        jumps: jumps(0),
+        jumps_of_least_change: jumps(1),
         iterations: Quantiles::of(of_kind.iter().map(|made| made.iterations as f64)),
+    }
+}
+
+impl KeptShares {
+    fn of(shares: impl Iterator<Item = f64>) -> Self {
+        let mut shares: Vec<f64> = shares.collect();
+        shares.sort_by(f64::total_cmp);
+        let at = |index: usize| shares.get(index).copied().unwrap_or(0.0);
+        Self { drags: shares.len(), median: at(shares.len() / 2), worst_tenth: at(shares.len() / 10) }
+    }
+}
+
+impl Jumps {
+    fn of(ways: impl Iterator<Item = f64>) -> Self {
+        let none = Self { steps: 0, jumps: 0, longest: 0.0 };
+        ways.fold(none, |all, way| Self {
+            steps: all.steps + 1,
+            jumps: all.jumps + usize::from(way > JUMP),
+            longest: all.longest.max(way),
+        })
     }
 }

@@ -13,7 +13,7 @@ mod trial;
 
 use crate::{BenchError, Progress};
 
-pub use measured::{DragBenchReport, DragErrors, KindReport};
+pub use measured::{DragBenchReport, DragErrors, Jumps, KeptShares, KindReport};
 pub use off::{EquationError, distance_px};
 pub use stage::TrialScene;
 pub use trial::{FEATURES, Trial, TrialKind};

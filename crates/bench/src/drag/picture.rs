@@ -18,6 +18,9 @@ const LIT_SHARE: f64 = 0.1;
 /// Share of its brightness that a point keeps, and that a feature has where it was dragged.
 const KEPT_SHARE: f64 = 0.5;
 
+/// Change of a point's brightness that can be seen, as a share of a bright point's: nine in ten lit points are darker.
+const VISIBLE_CHANGE: f64 = 0.02;
+
 /// Least number of lit points from which a share is taken.
 const MIN_POINTS: usize = 10;
 
@@ -27,9 +30,11 @@ pub(super) struct PictureChange {
     /// True if the feature can be seen at the cursor: at least half as bright there as where it was taken, and lit or in
     /// shadow as before. `None` if it could not be seen where it was taken.
     pub is_seen: Option<bool>,
-    /// Share of the lit points that lose more than half of their brightness, without those in the shadow of the moved
-    /// caster. `None` if the light reaches too few points.
-    pub lost: Option<f64>,
+    /// Share of the lit points that keep half of their brightness, without those in the shadow of the moved caster.
+    /// `None` if the light reaches too few points.
+    pub kept: Option<f64>,
+    /// Share of all points whose light changes visibly.
+    pub changed: f64,
 }
 
 /// Surface points in a grid over the picture.
@@ -44,6 +49,14 @@ struct Arrival {
     /// Irradiance of the surface without shadows.
     brightness: f64,
     is_visible: bool,
+}
+
+/// Returns the brightness of a bright point.
+fn bright_point(arrivals: &[Option<Arrival>]) -> f64 {
+    let brightness = arrivals.iter().flatten().map(|at| at.visible_brightness());
+    let mut lit: Vec<f64> = brightness.filter(|brightness| *brightness > 0.0).collect();
+    lit.sort_by(f64::total_cmp);
+    lit.get(lit.len() * 9 / 10).copied().unwrap_or(1.0)
 }
 
 impl Arrival {
@@ -68,19 +81,25 @@ impl<'a> PictureGrid<'a> {
     pub fn change(&self, trial: &Trial, moved: &CheckedLight) -> PictureChange {
         let [before, after] = [&trial.light, moved].map(|light| self.arrivals(light));
         let brightest = before.iter().flatten().map(|at| at.visible_brightness()).fold(0.0, f64::max);
-        let (mut lit, mut lost) = (0, 0);
+        let bright = bright_point(&before);
+        let (mut lit, mut kept, mut changed) = (0, 0, 0);
         for ((was, is), surface) in before.iter().zip(&after).zip(&self.points) {
             let was = was.map_or(0.0, Arrival::visible_brightness);
+            let brightness = is.map_or(0.0, Arrival::visible_brightness);
+            changed += usize::from((brightness - was).abs() > VISIBLE_CHANGE * bright);
             if was <= LIT_SHARE * brightest
                 || is.is_some_and(|is| !is.is_visible) && self.is_moved_shadow(trial, moved, surface)
             {
                 continue;
             }
             lit += 1;
-            lost += usize::from(is.map_or(0.0, Arrival::visible_brightness) < KEPT_SHARE * was);
+            kept += usize::from(brightness >= KEPT_SHARE * was);
         }
-        let lost = (lit >= MIN_POINTS).then(|| lost as f64 / lit as f64);
-        PictureChange { is_seen: self.is_seen(trial, moved, brightest), lost }
+        PictureChange {
+            is_seen: self.is_seen(trial, moved, brightest),
+            kept: (lit >= MIN_POINTS).then(|| kept as f64 / lit as f64),
+            changed: changed as f64 / f64::from(GRID[0] * GRID[1]),
+        }
     }
 
     fn is_seen(&self, trial: &Trial, moved: &CheckedLight, brightest: f64) -> Option<bool> {

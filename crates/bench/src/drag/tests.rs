@@ -107,10 +107,11 @@ fn a_changed_picture_is_detected() {
     let trial = trials(&stage, Feature::Hotspot, false).next().expect("a drag");
     let stays = Trial { drag: Drag { to: trial.drag.from, ..trial.drag.clone() }, ..trial.clone() };
     let same = grid.change(&stays, &trial.light);
-    assert_eq!((same.lost, same.is_seen.unwrap_or(true)), (Some(0.0), true), "{same:?}");
+    assert_eq!((same.kept, same.changed, same.is_seen.unwrap_or(true)), (Some(1.0), 0.0, true), "{same:?}");
     let light = trial.light.light().clone();
     let away = light.get(TRANSLATION) + DVec3::X * 1e3;
     let away = CheckedLight::new(light.with(TRANSLATION, away)).expect("valid");
     let gone = grid.change(&stays, &away);
-    assert_eq!((gone.lost, gone.is_seen.unwrap_or(false)), (Some(1.0), false), "{gone:?}");
+    assert_eq!((gone.kept, gone.is_seen.unwrap_or(false)), (Some(0.0), false), "{gone:?}");
+    assert!(gone.changed > 0.0);
 }

@@ -15,17 +15,21 @@ use crate::usage::whole_number_parser;
 #[command(after_help = "\
 Makes random drags in random lights over each scene, of shadows, hotspots, highlights and the sides of surfaces that are turned
 most to the light, as `bendylights drag` does, and beside them by the formulas of the BendyLights paper, which move a light
-once and do not look where its feature ends, and by a solver that changes the light, not the picture, as little as it can.
+once and do not look where its feature ends, by a solver that changes the light, not the picture, as little as it can, and
+with the defaults of the page: the best of the alternatives.
 Prints JSON; for each kind (feature, whole lights or control points, less or more than a tenth of the picture's width):
   iterations  steps of the solver
-  ours, leastChange, paper
+  jumps, jumpsOfLeastChange  between cursors a pixel apart: steps, jumps (a control point moves by more than a twentieth of
+            the light's length), and the longest step
+  ours, best, leastChange, paper
     landed    features that end within half a pixel of the cursor
     folded    lights that fold and cannot be drawn
     lost      features that are not in the picture afterwards
     px        from the cursor to the feature, in pixels
     residual  how far the equations are from holding at the cursor: radii of shadow and hotspot, else radians
     visible, seen  landed features that could be seen where they were taken, and those of them seen at the cursor
-    pictureLost    share of the lit picture that loses more than half of its brightness by a landed drag
+    kept      share of the lit picture that keeps half of its brightness after a landed drag: median and worst tenth
+    changed   share of the picture that changes visibly by a landed drag
     ms        a drag's time, with its picks
 
 Examples:
@@ -44,7 +48,7 @@ pub struct Args {
     /// Width and height of the picture in pixels
     #[arg(long, default_value = "686x382", value_name = "WxH")]
     size: Size,
-    /// Chart to write: shares of drags over distance and time
+    /// Chart to write: shares of drags over distance, loss and time
     #[arg(short, value_name = "OUT.svg")]
     output: Option<PathBuf>,
 }
