@@ -46,7 +46,7 @@ pub enum DragRadii {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum DragChoice {
-    /// The alternative that lands and changes the picture least, without a linked copy.
+    /// The alternative that lands and changes least of what is lit, without a linked copy.
     Best,
     ControlPoints,
     Narrower,

@@ -24,7 +24,7 @@ Takes a JSON array of drags:
            hotspot    M' lies in the light where M did
            highlight  light arrives at M' along the mirror direction
            diffuse    light arrives at M' along the normal
-  alternative  what follows: best (lands and changes the picture least), controlPoints, narrower (radii shrink by a fifth
+  alternative  what follows: best (lands and changes least of what is lit), controlPoints, narrower (radii shrink by a fifth
            at most where the light would fold), wholeLight, pastCaster (control points past what throws the shadow alone),
            linkedCopy (a copy of the light as it was shines on what throws the shadow); null: what points and radii say [null]
   alternatives  true for all of them, the best first, in `alternatives` of the answer [false]
@@ -33,10 +33,13 @@ Takes a JSON array of drags:
   camera   by its name or its index, or as an object; null: the first, or one that frames the scene [null]
   size     width and height of the picture in pixels
   from, to in pixels from its top left corner; centres of pixels are at .5
-  pins     what is to stay as it is, an array of {kind, light, at, caster, hard}: at a world position on a surface
+  pins     what is to stay as it is, an array of {kind, light, at, caster, hard}: at a world position on a surface, or on all
+           of a node by its name or path
+           look       how much light arrives, from where, and whether in shadow
            direction  the direction from which light arrives
            lit, shadowed  that it arrives, or that something stands in its way
            shadow     the shadow of the very point that throws it, of the node `caster` or of the first in the way
+           coordinates  where it lies across the light, so that the same light path reaches it
            hard: true whatever is asked, or as far as that lets it [[]]
   sourceOutside   whether the source may not go through a surface [false]
 Each drag begins with the light of the file, whatever the others do.

@@ -32,6 +32,10 @@ const DIRECTION_WEIGHT: f64 = 0.5;
 /// the loss has a slope.
 pub(crate) const EDGE_SLOPE: f64 = 3.0;
 
+/// Share of their room before the light's ends that points keep, and the most room that they keep, in widths.
+const ROOM_SHARE: f64 = 0.5;
+const MAX_ROOM: f64 = 0.25;
+
 /// Half of the range of rho, in radii, in which the edge fades out, and of the distance from an end, in widths.
 const EDGE_FADE: f64 = 0.05;
 
@@ -44,6 +48,18 @@ pub(crate) struct PictureMetric {
     points: Vec<MetricPoint>,
     /// Irradiance of a bright point.
     brightest: f64,
+    /// Least distance of a point in the light from its ends, in widths. `None` if the picture shows an end: a point across
+    /// the light lies beyond it.
+    room_before_ends: Option<f64>,
+}
+
+/// Values of the metric in a light.
+pub(crate) struct MetricValues {
+    /// Values of `t` of the points.
+    pub t: Vec<f64>,
+    /// Room of the points that were in the light before its ends, in widths. At 0 the picture begins to show an end. `None`
+    /// if it did at the start of the drag.
+    pub room_before_ends: Option<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -54,6 +70,7 @@ struct MetricPoint {
     normal: DVec3,
     /// `t` at the start of the drag.
     start_t: f64,
+    was_in_light: bool,
     was_lit: bool,
     /// Square roots of the weights of the brightness and of the direction.
     brightness_weight: f64,
@@ -67,7 +84,7 @@ impl PictureMetric {
     pub fn new(occlusion: &Occlusion, view: &Viewport, light: &SceneLight, moved_caster: Option<usize>) -> Self {
         let (bvh, work) = (occlusion.bvh, occlusion.work);
         let size = DVec2::from(view.size.map(f64::from));
-        let mut metric = Self { points: Vec::new(), brightest: 1.0 };
+        let mut metric = Self { points: Vec::new(), brightest: 1.0, room_before_ends: Some(f64::INFINITY) };
         let (mut in_light, mut beside) = (0, 0);
         let mut brightness = Vec::new();
         for number in 0..CANDIDATES {
@@ -84,6 +101,10 @@ impl PictureMetric {
                 continue;
             }
             *counted += 1;
+            if rho <= 1.0 {
+                let room = metric.room_before_ends.map(|room| room.min(coords.distance_to_ends));
+                metric.room_before_ends = room.filter(|room| *room >= 0.0);
+            }
             let reaches = light.contains(&coords) && seen.normal.dot(coords.to_light) > 0.0;
             let caster = if light.contains(&coords) { shadowing_node(occlusion, light, &seen, coords.t) } else { None };
             let (weight, direction_weight) = match caster {
@@ -99,6 +120,7 @@ impl PictureMetric {
                 position: seen.position,
                 normal: seen.normal,
                 start_t: coords.t,
+                was_in_light: light.contains(&coords),
                 was_lit,
                 brightness_weight: weight.sqrt(),
                 direction_weight: direction_weight.sqrt(),
@@ -126,9 +148,10 @@ impl PictureMetric {
     }
 
     /// Adds the change of each point's brightness and direction to `rows`: four numbers a point, with `weight` as a factor
-    /// of all weights. `near` are the values of `t` to track; returns the new ones.
-    pub fn add_rows(&self, light: &SceneLight, near: &[f64], weight: f64, rows: &mut Vec<f64>) -> Vec<f64> {
+    /// of all weights. `near` are the values of `t` to track.
+    pub fn add_rows(&self, light: &SceneLight, near: &[f64], weight: f64, rows: &mut Vec<f64>) -> MetricValues {
         let factor = weight.sqrt();
+        let mut distance_to_ends = f64::INFINITY;
         let changes = self.points.iter().zip(near).map(|(point, near)| {
             let brightness_weight = point.brightness_weight * factor;
             let Some(now) = point.log_brightness(light, self.brightest, *near) else {
@@ -140,9 +163,15 @@ impl PictureMetric {
             rows.push(brightness_weight * (now.log - point.log_before));
             let turned = now.to_light - point.to_light_before;
             rows.extend((turned * point.direction_weight * factor).to_array());
+            if point.was_in_light {
+                distance_to_ends = distance_to_ends.min(now.distance_to_ends);
+            }
             now.t
         });
-        changes.collect()
+        let t = changes.collect();
+        // The picture reaches nearer to the ends than its points do.
+        let least = self.room_before_ends.map(|room| (ROOM_SHARE * room).min(MAX_ROOM));
+        MetricValues { t, room_before_ends: least.map(|least| distance_to_ends.min(1.0) - least) }
     }
 }
 
@@ -151,6 +180,7 @@ struct Brightness {
     log: f64,
     to_light: DVec3,
     t: f64,
+    distance_to_ends: f64,
 }
 
 impl MetricPoint {
@@ -165,7 +195,7 @@ impl MetricPoint {
             irradiance / brightest * facing * within_edge(rho - 1.0) * within_edge(-coords.distance_to_ends);
         let beyond = (rho - 1.0).clamp(0.0, 1.0) + (-coords.distance_to_ends).clamp(0.0, 1.0);
         let log = libm::log(brightness + DARK) - if self.was_lit { EDGE_SLOPE * beyond } else { 0.0 };
-        Some(Brightness { log, to_light: coords.to_light, t: coords.t })
+        Some(Brightness { log, to_light: coords.to_light, t: coords.t, distance_to_ends: coords.distance_to_ends })
     }
 }
 

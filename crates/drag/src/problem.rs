@@ -154,7 +154,10 @@ impl<'a> Problem<'a> {
                 let (error, at) = self.feature_error(taken, &placed, share, near.feature, &mut bounds)?;
                 equations.extend(error);
                 (of_feature, tracked.feature) = (error.len(), at);
-                tracked.points = self.metric.add_rows(&placed, &near.points, self.picture_weight, &mut rows);
+                let metric = self.metric.add_rows(&placed, &near.points, self.picture_weight, &mut rows);
+                // An end of the light that the picture does not show stays out of it.
+                bounds.extend(metric.room_before_ends.map(|room| hard_bound(room, DragLimit::TubeEdge)));
+                tracked.points = metric.t;
             }
             for (pin, near) in self.pins.states.iter().zip(&near.pins) {
                 let (at, coords) = pin.add_rows(&placed, *near, &mut bounds, |row| match row {

@@ -39,7 +39,7 @@ pub struct Drag {
 /// Choice of what follows a dragged feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DragChoice {
-    /// Alternative that lands and changes the picture least. It never adds a light.
+    /// Alternative that lands and changes least of what is lit. It never adds a light.
     Best,
     Only(Alternative),
 }

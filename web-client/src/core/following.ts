@@ -8,7 +8,7 @@ import type { Camera, DragAlternative, DragChoice, DragKind, DragRadii, Light } 
 /**
  * Ways in which a light follows a dragged feature.
  *
- * - `best`: The server takes the alternative that lands and changes least of the picture.
+ * - `best`: The server takes the alternative that lands and changes least of what is lit.
  * - `whole`: The light moves as a whole.
  * - `points`: Control points move, the source stays.
  */

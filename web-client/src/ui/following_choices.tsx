@@ -11,7 +11,7 @@ import { type Page, usePage } from "./page";
 import { QuietButton } from "./quiet_button";
 
 const MODES: { [M in FollowMode]: { name: string; title: string } } = {
-  best: { name: "Best", title: "Take the answer that lands and changes least of the picture (B)" },
+  best: { name: "Best", title: "Take the answer that lands and changes least of what is lit (B)" },
   whole: { name: "Whole light", title: "Move the light as a whole (B)" },
   points: { name: "Control points", title: "Bend the light, keep its source (B)" },
 };

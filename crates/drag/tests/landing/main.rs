@@ -6,6 +6,7 @@ mod continuity;
 mod hand_moves;
 mod highlights;
 mod many;
+mod nonsense;
 mod picture;
 mod pins;
 mod sliding;

@@ -2,8 +2,8 @@
 
 use drag::{Drag, DragResult, DragStatus, Feature, Viewport, drag_least_change};
 use glam::DVec2;
-use light::parameters::{ROTATION, TRANSLATION};
-use light::{CheckedLight, Light};
+use light::parameters::{END_MODE, ROTATION, SCALE, TRANSLATION};
+use light::{CheckedLight, EndMode, Light};
 use reference::{LinkedNodes, Reference, ReferenceLight, ShadedPoint};
 use scene::View;
 
@@ -191,4 +191,40 @@ fn every_light_and_view_gives_a_light() {
             }
         }
     }
+}
+
+/// The picture of the demo shows no end of the light, and shows none after a drag: no pixel is beyond the end and would be
+/// illuminated if the light went on.
+#[test]
+fn an_end_stays_out_of_the_picture() {
+    let scene = support::demo();
+    let trial = scene.trial_of_the_demo(None);
+    let view = View::beauty(scene.view.camera.clone(), [128, 72]);
+    let reference = scene.reference();
+    let pixels = (0..128 * 72).map(|k| DVec2::new(f64::from(k % 128) + 0.5, f64::from(k / 128) + 0.5));
+    let surfaces: Vec<_> = pixels.filter_map(|pixel| reference.surface(&view, pixel)).collect();
+    let beyond_end = |light: &Light| {
+        let extended = CheckedLight::new(light.clone().with(END_MODE, EndMode::Extend)).expect("valid");
+        let (tube, source) = (extended.tube().expect("bendy"), ReferenceLight::new(&extended));
+        let is_beyond = |surface: &&ShadedPoint| {
+            let sample = reference.sample(&source, surface);
+            sample.is_some_and(|lit| lit.is_visible && lit.coords.t > tube.n as f64)
+        };
+        surfaces.iter().filter(is_beyond).count()
+    };
+    assert_eq!(beyond_end(trial.light.light()), 0);
+    let ends: Vec<usize> = (0..12)
+        .filter_map(|turn| {
+            let turn = f64::from(turn) * std::f64::consts::TAU / 12.0;
+            let from = DVec2::new(520.5, 197.5);
+            let to = from + 60.0 * DVec2::new(libm::cos(turn), libm::sin(turn));
+            let drag = Drag { points: Some(vec![1, 2, 3, 4]), from, to, ..trial.drag.clone() };
+            let result = drag::drag(&scene.bvh, &trial.light, &drag, &[]);
+            (result.outcome.status == DragStatus::Landed).then(|| beyond_end(&result.light))
+        })
+        .collect();
+    assert!(ends.len() > 8 && ends.iter().all(|pixels| *pixels == 0), "{ends:?}");
+    // Deliberate fault that the check must detect: a light that ends above the table.
+    let short = trial.light.light().clone().with(SCALE, 0.7);
+    assert!(beyond_end(&short) > 10, "{}", beyond_end(&short));
 }
