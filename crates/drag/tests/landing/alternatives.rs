@@ -147,7 +147,7 @@ fn change_of_lit(picture: &Picture, light: &CheckedLight, moved_caster: Option<u
     changes.iter().sum::<f64>() / changes.len().max(1) as f64
 }
 
-/// Of the alternatives that land, the best changes what was lit little more than the one that changes it least. The
+/// The best changes what was lit little more than the one that changes it least, of the alternatives that land. The
 /// planted fault is the choice of the least changed share of the picture.
 #[test]
 fn the_best_keeps_what_was_lit() {
