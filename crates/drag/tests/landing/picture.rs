@@ -1,6 +1,6 @@
 //! Drags judged by the picture before and after, with rays of the reference alone.
 
-use drag::{Drag, DragResult, DragStatus, Feature, Viewport, drag_least_change};
+use drag::{Drag, DragChoice, DragResult, DragStatus, Feature, Viewport, drag_least_change};
 use glam::DVec2;
 use light::parameters::{END_MODE, ROTATION, SCALE, TRANSLATION};
 use light::{CheckedLight, EndMode, Light};
@@ -140,10 +140,24 @@ fn judge_drags(judge: &Judge, drags: &[Trial], all: &mut Landed, solve: impl Fn(
     all.kept.sort_by(f64::total_cmp);
 }
 
+impl Landed {
+    fn of(mut kept: Vec<f64>) -> Self {
+        kept.sort_by(f64::total_cmp);
+        Self { kept, ..Self::default() }
+    }
+
+    fn median(&self) -> f64 {
+        self.kept[self.kept.len() / 2]
+    }
+
+    fn worst_tenth(&self) -> f64 {
+        self.kept[self.kept.len() / 10]
+    }
+}
+
 /// True if 85 % of the shadows land, nine in ten of these can be seen, and the median drag keeps 85 % of what was lit.
 fn keeps_the_picture(landed: &Landed, of: usize) -> bool {
-    let median = landed.kept[landed.kept.len() / 2];
-    100 * landed.count >= 85 * of && 10 * landed.seen >= 9 * landed.count && median >= 0.85
+    100 * landed.count >= 85 * of && 10 * landed.seen >= 9 * landed.count && landed.median() >= 0.85
 }
 
 /// The solver passes; one that moves the light least is the planted fault.
@@ -159,8 +173,8 @@ fn dragged_shadows_keep_the_picture() {
         judge_drags(&judge, &drags, &mut by_points, |trial| drag_least_change(&scene.bvh, &trial.light, &trial.drag));
     }
     for (landed, name) in [(&by_picture, "picture"), (&by_points, "points")] {
-        let Landed { count, seen, kept } = landed;
-        let (median, tenth) = (kept[kept.len() / 2], kept[kept.len() / 10]);
+        let Landed { count, seen, .. } = landed;
+        let (median, tenth) = (landed.median(), landed.worst_tenth());
         println!("by {name}: {count} of {of} landed, {seen} seen, keep {median:.2}, {tenth:.2}");
     }
     assert!(keeps_the_picture(&by_picture, of));
@@ -191,6 +205,41 @@ fn every_light_and_view_gives_a_light() {
             }
         }
     }
+}
+
+/// The best of the alternatives keeps the picture in each scene, also in two by which no setting was chosen: four in five
+/// drags land, four in five of these are seen, the median drag keeps nine tenths of what was lit, and the worst tenth of all
+/// keeps seven tenths. The planted faults are a solver that moves the light least, and one that refuses everything.
+#[test]
+fn the_best_keeps_the_picture_of_each_scene() {
+    const COUNT: usize = 25;
+    let keeps = |landed: &Landed, of: usize| {
+        5 * landed.count >= 4 * of && 10 * landed.seen >= 8 * landed.count && landed.median() >= 0.9
+    };
+    let mut kept = [Vec::new(), Vec::new()];
+    for scene in support::scenes().into_iter().chain(support::unseen_scenes()) {
+        let judge = Judge::new(&scene);
+        let drags = shadow_drags(&scene, &judge, false, COUNT);
+        let best = |trial: &Trial| {
+            let drag = Drag { choice: Some(DragChoice::Best), source_outside: true, ..trial.drag.clone() };
+            scene.run(&Trial { drag, ..trial.clone() })
+        };
+        let least_change = |trial: &Trial| drag_least_change(&scene.bvh, &trial.light, &trial.drag);
+        let solvers: [(&dyn Fn(&Trial) -> DragResult, bool); 2] = [(&best, true), (&least_change, false)];
+        for ((solve, is_best), kept) in solvers.into_iter().zip(&mut kept) {
+            let mut landed = Landed::default();
+            judge_drags(&judge, &drags, &mut landed, solve);
+            let (count, seen, median, tenth) = (landed.count, landed.seen, landed.median(), landed.worst_tenth());
+            println!("{}: {count} of {} landed, {seen} seen, keep {median:.2}, {tenth:.2}", scene.name, drags.len());
+            assert_eq!(keeps(&landed, drags.len()), is_best, "{}", scene.name);
+            kept.extend(landed.kept);
+        }
+    }
+    let [best, least_change] = kept.map(|kept| Landed::of(kept).worst_tenth());
+    println!("worst tenth of all: {best:.2}, by the least change {least_change:.2}");
+    assert!(best >= 0.7 && least_change < 0.3, "{best} {least_change}");
+    // The other planted fault: a solver that refuses everything.
+    assert!(!keeps(&Landed { kept: vec![1.0], ..Landed::default() }, COUNT));
 }
 
 /// The picture of the demo shows no end of the light, and shows none after a drag: no pixel is beyond the end and would be

@@ -4,12 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use drag::{Drag, DragPin, DragResult, Feature, NumberedPin, RadiusMode, Viewport, drag};
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
 use light::parameters::{END_MODE, ROTATION, SHADOW_LINK, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, Links};
 use raycast::{Bvh, SeenPoint};
 use reference::Reference;
-use scene::ViewRay;
+use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, ViewRay};
 
 const SIZE: [u32; 2] = [686, 382];
 
@@ -121,6 +121,58 @@ pub fn scenes() -> Vec<TestScene> {
         }
     }
     scenes
+}
+
+/// Returns scenes that the solver's settings were not chosen by: the second demo, and [`pillars`].
+pub fn unseen_scenes() -> [TestScene; 2] {
+    [TestScene::new("demo:arbor", assets::demo("arbor").expect("it is one of the demos")), pillars()]
+}
+
+/// Makes a square with eight pillars and a low wall.
+fn pillars() -> TestScene {
+    let boxes = [("ground", [0.0, -0.5, 0.0], [16.0, 1.0, 16.0]), ("wall", [0.0, 0.4, -5.0], [12.0, 0.8, 0.3])];
+    let boxes = boxes.map(|(name, at, size)| (name.to_owned(), DVec3::from(at), DVec3::from(size)));
+    let pillar = |k: usize| {
+        let height = 1.0 + 0.35 * k as f64;
+        let at = DVec3::new(2.4 * (k % 4) as f64 - 3.6, 0.5 * height, 3.0 * (k / 4) as f64 - 2.0);
+        (format!("pillar {k}"), at, DVec3::new(0.5, height, 0.5))
+    };
+    let nodes = boxes.into_iter().chain((0..8).map(pillar)).map(|(name, at, size)| Node {
+        name,
+        parent: None,
+        parent_from_local: DAffine3::from_scale_rotation_translation(size, DQuat::IDENTITY, at),
+        mesh: Some(0),
+    });
+    let meshes = vec![Mesh { name: "box".into(), primitives: vec![unit_box()] }];
+    let scene = Scene { materials: vec![Material::default()], meshes, nodes: nodes.collect(), ..Scene::default() };
+    let camera = Camera {
+        name: "above".into(),
+        translation: DVec3::new(2.0, 5.0, 9.0),
+        rotation: DQuat::from_rotation_y(0.219) * DQuat::from_rotation_x(-0.454),
+        projection: Projection::Perspective { yfov: 0.7, aspect_ratio: None, znear: 0.01, zfar: None },
+    };
+    TestScene { name: "pillars".into(), bvh: Bvh::new(scene::pose(scene)), view: Viewport { camera, size: SIZE } }
+}
+
+/// Makes a box of one unit about the origin.
+fn unit_box() -> Primitive {
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+    let sides = (0..6).map(|side| {
+        let normal = axes[side % 3] * if side < 3 { 1.0 } else { -1.0 };
+        let across = axes[(side + 1) % 3];
+        (normal, across, normal.cross(across))
+    });
+    let mut primitive = Primitive::default();
+    for (normal, across, up) in sides {
+        let first = primitive.positions.len() as u32;
+        for (a, b) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)] {
+            primitive.positions.push(normal * 0.5 + across * a + up * b);
+            primitive.normals.push(normal);
+            primitive.uvs.push(Vec2::ZERO);
+        }
+        primitive.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
+    }
+    primitive
 }
 
 /// Yields `count` drags of a feature, each with its own light. Every other one moves the light as a whole, the rest
