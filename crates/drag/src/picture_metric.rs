@@ -32,7 +32,7 @@ const DIRECTION_WEIGHT: f64 = 0.5;
 /// the loss has a slope.
 pub(crate) const EDGE_SLOPE: f64 = 3.0;
 
-/// Share of their room before the light's ends that points keep, and the most room that they keep, in widths.
+/// Share of their distance from the light's ends that points keep, and the most that they keep, in widths.
 const ROOM_SHARE: f64 = 0.5;
 const MAX_ROOM: f64 = 0.25;
 
@@ -48,9 +48,9 @@ pub(crate) struct PictureMetric {
     points: Vec<MetricPoint>,
     /// Irradiance of a bright point.
     brightest: f64,
-    /// Least distance of a point in the light from its ends, in widths. `None` if the picture shows an end: a point across
-    /// the light lies beyond it.
-    room_before_ends: Option<f64>,
+    /// Least distance of a point in the light from its ends at the start of the drag, in widths. `None` if the picture
+    /// shows an end: a point across the light lies beyond it.
+    start_distance_to_ends: Option<f64>,
 }
 
 /// Values of the metric in a light.
@@ -84,7 +84,7 @@ impl PictureMetric {
     pub fn new(occlusion: &Occlusion, view: &Viewport, light: &SceneLight, moved_caster: Option<usize>) -> Self {
         let (bvh, work) = (occlusion.bvh, occlusion.work);
         let size = DVec2::from(view.size.map(f64::from));
-        let mut metric = Self { points: Vec::new(), brightest: 1.0, room_before_ends: Some(f64::INFINITY) };
+        let mut metric = Self { points: Vec::new(), brightest: 1.0, start_distance_to_ends: Some(f64::INFINITY) };
         let (mut in_light, mut beside) = (0, 0);
         let mut brightness = Vec::new();
         for number in 0..CANDIDATES {
@@ -102,8 +102,8 @@ impl PictureMetric {
             }
             *counted += 1;
             if rho <= 1.0 {
-                let room = metric.room_before_ends.map(|room| room.min(coords.distance_to_ends));
-                metric.room_before_ends = room.filter(|room| *room >= 0.0);
+                let least = metric.start_distance_to_ends.map(|least| least.min(coords.distance_to_ends));
+                metric.start_distance_to_ends = least.filter(|least| *least >= 0.0);
             }
             let reaches = light.contains(&coords) && seen.normal.dot(coords.to_light) > 0.0;
             let caster = if light.contains(&coords) { shadowing_node(occlusion, light, &seen, coords.t) } else { None };
@@ -170,7 +170,7 @@ impl PictureMetric {
         });
         let t = changes.collect();
         // The picture reaches nearer to the ends than its points do.
-        let least = self.room_before_ends.map(|room| (ROOM_SHARE * room).min(MAX_ROOM));
+        let least = self.start_distance_to_ends.map(|least| (ROOM_SHARE * least).min(MAX_ROOM));
         MetricValues { t, room_before_ends: least.map(|least| distance_to_ends.min(1.0) - least) }
     }
 }

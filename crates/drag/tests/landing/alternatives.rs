@@ -11,7 +11,7 @@ use raycast::Bvh;
 use reference::{LinkedNodes, Reference, ReferenceLight, ShadedPoint};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
-use crate::support::{TestScene, Trial, demo, scenes, trials};
+use crate::support::{TestScene, Trial, demo, scenes, shadowing_node, trials};
 
 const GRID: [u32; 2] = [72, 40];
 
@@ -32,14 +32,6 @@ impl Picture {
             .map(|k| DVec2::new(f64::from(k % GRID[0]) + 0.5, f64::from(k / GRID[0]) + 0.5) * cell);
         let points = pixels.filter_map(|pixel| reference.surface(&view, pixel)).collect();
         Self { reference, points }
-    }
-
-    /// Returns the node that shadows a pixel.
-    fn caster_of(&self, light: &CheckedLight, surface: &ShadedPoint) -> Option<usize> {
-        let position = surface.position + self.reference.bvh.posed.origin_in_world;
-        let tube = light.tube()?;
-        let coords = tube.locate(position).point?;
-        self.reference.occluding_node(tube, &LinkedNodes::default(), &coords, position)
     }
 
     /// Returns the irradiance of each pixel from some lights together, with their links.
@@ -142,7 +134,8 @@ fn change_of_lit(picture: &Picture, light: &CheckedLight, moved_caster: Option<u
     let after = picture.of(&[light.light()]);
     let brightest = before.iter().copied().fold(0.0, f64::max);
     let lit = (0..before.len()).filter(|k| before[*k] > 0.1 * brightest);
-    let changes = lit.filter(|k| after[*k] > 0.0 || picture.caster_of(light, &picture.points[*k]) != moved_caster);
+    let changes = lit
+        .filter(|k| after[*k] > 0.0 || shadowing_node(&picture.reference, light, &picture.points[*k]) != moved_caster);
     let changes: Vec<f64> = changes.map(|k| 1.0 - before[k].min(after[k]) / before[k].max(after[k])).collect();
     changes.iter().sum::<f64>() / changes.len().max(1) as f64
 }
@@ -158,7 +151,7 @@ fn the_best_keeps_what_was_lit() {
         for trial in short(&scene, Feature::Shadow, 30) {
             let before = picture.of(&[trial.light.light()]);
             let surface = picture.reference.surface(&view, trial.drag.from).expect("it is dragged");
-            let caster = picture.caster_of(&trial.light, &surface);
+            let caster = shadowing_node(&picture.reference, &trial.light, &surface);
             let all = all_of(&scene, &trial);
             let own = |result: &&DragResult| {
                 result.outcome.status == DragStatus::Landed

@@ -4,10 +4,10 @@ use drag::{Drag, DragChoice, DragResult, DragStatus, Feature, Viewport, drag_lea
 use glam::DVec2;
 use light::parameters::{END_MODE, ROTATION, SCALE, TRANSLATION};
 use light::{CheckedLight, EndMode, Light};
-use reference::{LinkedNodes, Reference, ReferenceLight, ShadedPoint};
+use reference::{Reference, ReferenceLight, ShadedPoint};
 use scene::View;
 
-use crate::support::{self, TestScene, Trial, trials};
+use crate::support::{self, TestScene, Trial, shadowing_node, trials};
 
 const GRID: [u32; 2] = [72, 40];
 
@@ -57,21 +57,16 @@ impl Judge {
     ) -> Option<f64> {
         let bright = |lit: &Option<Lit>| lit.filter(|lit| lit.is_visible).map_or(0.0, |lit| lit.brightness);
         let brightest = before.iter().map(bright).fold(0.0, f64::max);
-        let origin = self.reference.bvh.posed.origin_in_world;
         let (mut kept, mut all) = (0, 0);
         for ((was, is), surface) in before.iter().zip(after).zip(&self.points) {
             if bright(was) <= 0.1 * brightest {
                 continue;
             }
-            if let (Some(caster), Some(is)) = (caster, is)
-                && !is.is_visible
+            if caster.is_some()
+                && is.is_some_and(|is| !is.is_visible)
+                && shadowing_node(&self.reference, moved, surface) == caster
             {
-                let position = surface.position + origin;
-                let tube = moved.tube().expect("bendy");
-                let coords = tube.locate(position).point.expect("inside");
-                if self.reference.occluding_node(tube, &LinkedNodes::default(), &coords, position) == Some(caster) {
-                    continue;
-                }
+                continue;
             }
             all += 1;
             kept += usize::from(bright(is) >= 0.5 * bright(was));
@@ -86,10 +81,7 @@ impl Judge {
 }
 
 fn caster_node(judge: &Judge, light: &CheckedLight, pixel: DVec2) -> Option<usize> {
-    let surface = judge.reference.surface(&judge.view, pixel)?;
-    let position = surface.position + judge.reference.bvh.posed.origin_in_world;
-    let tube = light.tube()?;
-    judge.reference.occluding_node(tube, &LinkedNodes::default(), &tube.locate(position).point?, position)
+    shadowing_node(&judge.reference, light, &judge.reference.surface(&judge.view, pixel)?)
 }
 
 /// Makes `count` drags of shadows over 10 to 60 pixels, as an artist does: from and to surfaces that face the light, with

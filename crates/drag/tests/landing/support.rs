@@ -8,7 +8,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
 use light::parameters::{END_MODE, ROTATION, SHADOW_LINK, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, Links};
 use raycast::{Bvh, SeenPoint};
-use reference::Reference;
+use reference::{LinkedNodes, Reference, ShadedPoint};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, ViewRay};
 
 const SIZE: [u32; 2] = [686, 382];
@@ -121,6 +121,13 @@ pub fn scenes() -> Vec<TestScene> {
         }
     }
     scenes
+}
+
+/// Finds the node that shadows a surface point in a bent light without links. `None` outside the light.
+pub fn shadowing_node(reference: &Reference, light: &CheckedLight, surface: &ShadedPoint) -> Option<usize> {
+    let position = surface.position + reference.bvh.posed.origin_in_world;
+    let tube = light.tube()?;
+    reference.occluding_node(tube, &LinkedNodes::default(), &tube.locate(position).point?, position)
 }
 
 /// Returns scenes that the solver's settings were not chosen by: the second demo, and [`pillars`].
