@@ -135,9 +135,10 @@ pub struct Drag<L, C> {
     /// True for all alternatives in the answer, in a drag file. A command has one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub alternatives: bool,
-    /// True if the source may not pass through a surface.
-    #[serde(default, alias = "source_outside", skip_serializing_if = "std::ops::Not::not")]
-    pub source_outside: bool,
+    /// True if the source may not pass through a surface. By default true with `alternative` or
+    /// `alternatives`, and else false.
+    #[serde(default, alias = "source_outside", skip_serializing_if = "Option::is_none")]
+    pub source_outside: Option<bool>,
 }
 
 impl<L, C> Drag<L, C> {
@@ -156,7 +157,7 @@ impl<L, C> Drag<L, C> {
             to: to.to_array(),
             pins: None,
             alternatives: false,
-            source_outside: *source_outside,
+            source_outside: Some(*source_outside).filter(|is_outside| *is_outside || choice.is_some()),
         }
     }
 
@@ -176,7 +177,7 @@ impl<L, C> Drag<L, C> {
             from: self.from.into(),
             to: self.to.into(),
             pins,
-            source_outside: self.source_outside,
+            source_outside: self.source_outside.unwrap_or(self.alternative.is_some() || self.alternatives),
         }
     }
 }
@@ -272,6 +273,8 @@ pub enum DragStatus {
 pub enum DragLimit {
     /// The tube would fold.
     Fold,
+    /// Distant parts of the tube would overlap. Set the light's `allowOverlap` to let them.
+    Overlap,
     /// A radius would become negative.
     Radius,
     /// M' would lie outside the light, or in another part of it.
@@ -327,6 +330,10 @@ pub struct DragOutcome {
     /// Share of the picture's pixels that change visibly, 0 to 1, measured at 256 of them. A `refused` drag has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub changed_share: Option<f64>,
+    /// Largest change of what a picture shows at a point of an object that a hard pin holds, 0 to 1, where 1 is the
+    /// brightness of its brightest point before the drag. Only with such a pin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pinned_change: Option<f64>,
     /// Limit that stopped a drag that is `limited`, or `refused` for the reason `limited`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<DragLimit>,
@@ -467,6 +474,7 @@ impl From<&Outcome> for DragOutcome {
             status,
             alternative: outcome.alternative.map(Into::into),
             changed_share: outcome.changed_share,
+            pinned_change: outcome.pinned_change,
             limit,
             reason,
             pin,
@@ -487,6 +495,7 @@ impl TryFrom<DragOutcome> for Outcome {
         let limit = |limit| {
             Ok(match limit {
                 DragLimit::Fold => drag::DragLimit::Fold,
+                DragLimit::Overlap => drag::DragLimit::Overlap,
                 DragLimit::Radius => drag::DragLimit::Radius,
                 DragLimit::TubeEdge => drag::DragLimit::TubeEdge,
                 DragLimit::NoDescent => drag::DragLimit::NoDescent,
@@ -507,6 +516,7 @@ impl TryFrom<DragOutcome> for Outcome {
             status,
             alternative: wire.alternative.map(Into::into),
             changed_share: wire.changed_share,
+            pinned_change: wire.pinned_change,
             residual_px: wire.residual_px.unwrap_or(f64::INFINITY),
             shadowed_by: wire.shadowed_by,
             iterations: wire.iterations,
@@ -522,7 +532,7 @@ same_variants!(DragAlternative = Alternative { ControlPoints, Narrower, WholeLig
 same_variants!(DragRadii = RadiusMode { Keep, Solve, Follow });
 same_variants!(PinKind = Kind { Direction, Look, Lit, Shadowed, Shadow, Coordinates });
 same_variants!(drag::DragLimit => DragLimit {
-    Fold, Radius, TubeEdge, NoDescent, SourceInside, TooMuchWork; Pin
+    Fold, Overlap, Radius, TubeEdge, NoDescent, SourceInside, TooMuchWork; Pin
 });
 same_variants!(DragRefusal => DragReason {
     NothingAtStart, NothingAtEnd, OutsideTheLight, NoShadow, NotBendy, NoSuchPoint, NoWeight, TooLittleRoom; PinDoesNotHold, Limited

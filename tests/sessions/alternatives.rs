@@ -31,7 +31,7 @@ fn drag(mirror: &Mirror, alternative: DragChoice) -> Command {
         to: TO,
         pins: None,
         alternatives: false,
-        source_outside: true,
+        source_outside: Some(true),
     }))
 }
 

@@ -32,7 +32,7 @@ fn drag(mirror: &Mirror, points: Option<Vec<usize>>, down: f64) -> Command {
         pins: None,
         alternative: None,
         alternatives: false,
-        source_outside: false,
+        source_outside: None,
     }))
 }
 

@@ -54,7 +54,7 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
         pins: None,
         alternative: None,
         alternatives: false,
-        source_outside: false,
+        source_outside: None,
     }))
 }
 

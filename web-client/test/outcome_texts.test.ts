@@ -57,5 +57,11 @@ test("the label of a drag has the residual, what changes, and the alternative", 
     "Narrower",
   ]);
   expect(dragLines({ ...OUTCOME, changedShare: 0.2 }, null, null)).toEqual(["changes 20\u00a0%"]);
+  expect(dragLines({ ...OUTCOME, pinnedChange: 0.012 }, null, null)).toEqual([
+    "pinned objects change by 3 of 255 at most",
+  ]);
+  expect(dragLines({ ...OUTCOME, pinnedChange: 0.001 }, null, null)).toEqual([
+    "pinned objects stay as they are",
+  ]);
   expect(dragLines(OUTCOME, null, null)).toEqual([]);
 });

@@ -41,12 +41,13 @@ Takes a JSON array of drags:
            shadow     the shadow of the very point that throws it, of the node `caster` or of the first in the way
            coordinates  where it lies across the light, so that the same light path reaches it
            hard: true whatever is asked, or as far as that lets it [[]]
-  sourceOutside   whether the source may not go through a surface [false]
+  sourceOutside   whether the source may not go through a surface [true with alternative(s), else false]
 Each drag begins with the light of the file, whatever the others do.
 
 Prints an array with an object for each: status (landed: within half a pixel; limited: as near as may be; refused),
-limit, reason and pin where there is one, residualPx, changedShare (of the picture's pixels), alternative, shadowedBy,
-iterations, seconds, fromWorld, toWorld, pivotWorld, the light, its copy if it has one, and the solver with its version.
+limit, reason and pin where there is one, residualPx, changedShare (of the picture's pixels), pinnedChange (at the worst
+point of pinned nodes), alternative, shadowedBy, iterations, seconds, fromWorld, toWorld, pivotWorld, the light, its copy
+if it has one, and the solver with its version.
 
 Example:
   bendylights drag demo:vases drags.json

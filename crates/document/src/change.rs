@@ -345,6 +345,7 @@ fn sentence(reason: DragRefusal) -> String {
 fn limit_clause(limit: DragLimit) -> &'static str {
     match limit {
         DragLimit::Fold => "the tube would fold",
+        DragLimit::Overlap => "the tube would overlap itself, which `allowOverlap` of the light allows",
         DragLimit::Radius => "a radius would be negative",
         DragLimit::TubeEdge => "the feature would lie outside of the light",
         DragLimit::NoDescent => "no light nearby has the feature where it can be seen",

@@ -55,25 +55,33 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
         }
         Some(DragChoice::Best) => {
             let measure = Measure::new(task);
-            let mut best: Option<Solved> = None;
-            let own = Alternative::ALL.into_iter().filter(|alternative| *alternative != Alternative::LinkedCopy);
-            for alternative in own {
-                if best.as_ref().is_some_and(Solved::is_good_enough) {
-                    break;
-                }
-                let is_repeated =
-                    alternative == Alternative::Narrower && !best.as_ref().is_some_and(is_limited_by_fold);
-                let Some(new) = (if is_repeated { None } else { solve_listed(task, &measure, alternative) }) else {
-                    continue;
-                };
-                if best.as_ref().is_none_or(|best| new.is_clearly_better(best)) {
-                    best = Some(new);
-                }
-            }
+            // Whatever lands is better than what is limited. So limited drags are searched for only if nothing lands.
+            let at_cursor = DragTask { ends_on_way: false, ..task };
+            let has_landed = |best: &Solved| best.result.outcome.status == DragStatus::Landed;
+            let best = best_of(at_cursor, &measure).filter(has_landed).or_else(|| best_of(task, &measure));
             // The light as a whole can always be tried.
             best.map_or_else(|| refused(task, DragRefusal::NotBendy), |best| best.result)
         }
     }
+}
+
+/// Solves a drag by one alternative after the other, until one lands that changes little of what is lit, and returns the
+/// best.
+fn best_of(task: DragTask, measure: &Measure) -> Option<Solved> {
+    let mut best: Option<Solved> = None;
+    let own = Alternative::ALL.into_iter().filter(|alternative| *alternative != Alternative::LinkedCopy);
+    for alternative in own {
+        if best.as_ref().is_some_and(Solved::is_good_enough) {
+            break;
+        }
+        // Radii that need not shrink give the same light as those that are kept.
+        let is_repeated = alternative == Alternative::Narrower && !best.as_ref().is_some_and(is_limited_by_fold);
+        let Some(new) = (if is_repeated { None } else { solve_listed(task, measure, alternative) }) else { continue };
+        if best.as_ref().is_none_or(|best| new.is_clearly_better(best)) {
+            best = Some(new);
+        }
+    }
+    best
 }
 
 /// Solves a drag by each alternative that the light and the feature have. Returns the best first, then those that land,
@@ -169,7 +177,7 @@ fn solve_listed(task: DragTask, measure: &Measure, alternative: Alternative) -> 
 
 /// Solves a drag by an alternative, or says why the light or the feature does not have it.
 fn solve_alternative(task: DragTask, alternative: Alternative) -> Result<DragResult, DragRefusal> {
-    let DragTask { bvh, light, drag, pins, work } = task;
+    let DragTask { bvh, light, drag, pins, work, .. } = task;
     let whole = Drag { points: None, ..drag.clone() };
     let movable = || drag.points.clone().unwrap_or_else(|| (1..light.light().points().len()).collect());
     let by_points = |points: Vec<usize>, radii| Drag { points: Some(points), radii, ..drag.clone() };

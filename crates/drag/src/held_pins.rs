@@ -5,6 +5,7 @@ use light::{CheckedLight, LightRays};
 use raycast::Bvh;
 
 use crate::occlusion::Occlusion;
+use crate::overlap::OverlapRule;
 use crate::pin_state::PinState;
 use crate::pins::{Pins, node_named, nodes_under};
 use crate::point_in_light::SceneLight;
@@ -43,7 +44,7 @@ impl<'a> HeldPins<'a> {
     pub fn first_broken(&self, after: &CheckedLight) -> Option<u64> {
         let (before, work) = (self.occlusion, self.occlusion.work);
         let now = Occlusion::new(before.bvh, after, work);
-        let visibility = Visibility { occlusion: &now, source_outside: false };
+        let visibility = Visibility { occlusion: &now, source_outside: false, overlap: OverlapRule::default() };
         let is_broken = |held: &&HeldPin| {
             let placed = held.placed.with(after.rays());
             visibility.first_violated_pin(&placed, &held.states).is_some()

@@ -93,7 +93,8 @@ impl<'a> DragToAnyEnd<'a> {
     /// the first that does not hold is the limit.
     pub fn land(&self, pixel: DVec2) -> Result<Landing, DragLimit> {
         let (pins, visibility) = (&self.start.pins, self.visibility());
-        let landed = self.land_with_pins(pixel, pins, &visibility);
+        let land = |pins, visibility| self.land_with_pins(pixel, pins, visibility);
+        let landed = land(pins, &visibility);
         let Err(limit) = landed else { return landed };
         // Control points leave the source where it is.
         let holds_source = self.drag.source_outside && matches!(self.start.unknowns, Unknowns::Rigid { .. });
@@ -102,13 +103,13 @@ impl<'a> DragToAnyEnd<'a> {
         }
         let hard = pins.hard();
         if !hard.states.is_empty() && hard.states.len() < pins.states.len() {
-            let landed = self.land_with_pins(pixel, &hard, &visibility);
+            let landed = land(&hard, &visibility);
             if landed.is_ok() {
                 return landed;
             }
         }
         let anywhere = Visibility { source_outside: false, ..self.visibility() };
-        let free = self.land_with_pins(pixel, &Pins::default(), &anywhere).map_err(|_| limit)?;
+        let free = land(&Pins::default(), &anywhere).map_err(|_| limit)?;
         let placed = self.start.placed.with(free.light.rays());
         let from = self.start.placed.source();
         match visibility.first_violated_pin(&placed, &hard) {
@@ -118,9 +119,39 @@ impl<'a> DragToAnyEnd<'a> {
         }
     }
 
-    /// Drags the feature to a pixel. If the feature does not land, the picture counts less, and radii that may follow
-    /// the control points shrink where the tube would fold.
+    /// Returns the largest change of what a picture shows at a point of a hard pin of a node, 0 to 1. `None` without such a
+    /// pin.
+    pub fn largest_change_of_nodes(&self, moved: &CheckedLight) -> Option<f64> {
+        let lights = [&self.start.placed, &self.start.placed.with(moved.rays())];
+        self.visibility().largest_change_of_nodes(lights, &self.start.pins)
+    }
+
+    /// True if the feature lands at a pixel with the hard pins, by the second weight of the picture. This costs a fraction of
+    /// [`Self::land()`], which then lands there too.
+    pub fn can_land(&self, pixel: DVec2) -> bool {
+        let [_, second] = PICTURE_WEIGHTS;
+        self.land_by_weight(pixel, &self.start.pins.hard(), &self.visibility(), second).is_ok()
+    }
+
+    /// Drags the feature to a pixel. If it does not land, the picture counts less.
     fn land_with_pins(&self, pixel: DVec2, pins: &Pins, visibility: &Visibility) -> Result<Landing, DragLimit> {
+        let land_by = |weight| self.land_by_weight(pixel, pins, visibility, weight);
+        let [first, second] = PICTURE_WEIGHTS;
+        let landed = land_by(first);
+        match landed {
+            Err(limit) if !self.metric.is_empty() => land_by(second).map_err(|_| limit),
+            _ => landed,
+        }
+    }
+
+    /// Drags the feature to a pixel. Radii that may follow the control points shrink where the tube would fold.
+    fn land_by_weight(
+        &self,
+        pixel: DVec2,
+        pins: &Pins,
+        visibility: &Visibility,
+        weight: f64,
+    ) -> Result<Landing, DragLimit> {
         let to = self.surface(pixel)?;
         let unknowns = &self.start.unknowns;
         let kept = match unknowns {
@@ -129,16 +160,14 @@ impl<'a> DragToAnyEnd<'a> {
             }
             _ => None,
         };
-        let land = |unknowns, weight| self.land_with(unknowns, pins, visibility, weight, pixel, to);
-        let land_by = |weight| match &kept {
-            Some(kept) => match land(kept, weight) {
-                Err(DragLimit::Fold) => land(unknowns, weight),
+        let land = |unknowns| self.land_with(unknowns, pins, visibility, weight, pixel, to);
+        match &kept {
+            Some(kept) => match land(kept) {
+                Err(DragLimit::Fold) => land(unknowns),
                 landed_or_limited => landed_or_limited,
             },
-            None => land(unknowns, weight),
-        };
-        let [first, second] = PICTURE_WEIGHTS;
-        land_by(first).or_else(|limit| land_by(second).map_err(|_| limit))
+            None => land(unknowns),
+        }
     }
 
     fn surface(&self, pixel: DVec2) -> Result<SeenPoint, DragLimit> {
@@ -147,7 +176,8 @@ impl<'a> DragToAnyEnd<'a> {
     }
 
     fn visibility(&self) -> Visibility<'_> {
-        Visibility { occlusion: self.occlusion, source_outside: self.drag.source_outside }
+        let source_outside = self.drag.source_outside;
+        Visibility { occlusion: self.occlusion, source_outside, overlap: self.start.overlap }
     }
 
     fn problem<'p>(&'p self, taken: &'p TakenFeature, unknowns: &'p Unknowns, pins: &'p Pins) -> Problem<'p> {

@@ -26,6 +26,7 @@ mod linked_copy;
 mod matrix;
 mod moves;
 mod occlusion;
+mod overlap;
 mod past_caster;
 mod picture_change;
 mod picture_metric;
@@ -54,4 +55,4 @@ pub use slide::{Slide, slide_point};
 pub use work::{MAX_DRAG_STEPS, STEPS_BETWEEN_CHECKS, WorkBudget};
 
 /// Name and version of the solver. The version grows with every change after which a drag may give another light.
-pub const SOLVER: (&str, u32) = ("picture", 6);
+pub const SOLVER: (&str, u32) = ("picture", 7);

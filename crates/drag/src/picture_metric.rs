@@ -142,6 +142,11 @@ impl PictureMetric {
         metric
     }
 
+    /// True if nothing is measured.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
     /// Returns the values of `t` of the points at the start of the drag.
     pub fn start_t(&self) -> Vec<f64> {
         self.points.iter().map(|point| point.start_t).collect()

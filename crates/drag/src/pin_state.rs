@@ -1,9 +1,11 @@
 //! Pin of a point as equations and limits.
 
 use glam::{DVec2, DVec3};
+use light::TubeOverlap;
 
-use crate::bound::{Bound, EDGE_MARGIN, MIN_PATH_SPACING, cross_error, direction_error, distance_behind};
+use crate::bound::{Bound, EDGE_MARGIN, MIN_PATH_SPACING, cross_error, direction_error, distance_behind, hard_bound};
 use crate::occlusion::{Contact, Occlusion, ShadowCaster};
+use crate::overlap::overlap_bound;
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::{DragLimit, NumberedPin, PinKind, PinTarget};
 
@@ -239,10 +241,10 @@ pub(crate) enum PinRow {
     Soft(f64),
 }
 
-/// Tangent of a shadow edge or of a surface that a light has crossed and may not cross. It is taken where the light
-/// crossed, and limits the next solve.
+/// Tangent of a limit that a light has crossed and may not cross. It is taken where the light crossed, and limits the next
+/// solve.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum OcclusionTangent {
+pub(crate) enum LimitTangent {
     /// Tangent of the edge of a shadow.
     ShadowEdge {
         /// Number of the pin whose point crossed the shadow edge.
@@ -265,10 +267,12 @@ pub(crate) enum OcclusionTangent {
         /// Size of the scene, in world units.
         size: f64,
     },
+    /// Distance of two parts of the tube that met.
+    Overlap(TubeOverlap),
 }
 
-impl OcclusionTangent {
-    /// Returns the number of the pin whose point crossed the shadow edge; `None` for a surface.
+impl LimitTangent {
+    /// Returns the number of the pin whose point crossed the shadow edge; `None` for other limits.
     pub fn pin(&self) -> Option<u64> {
         if let Self::ShadowEdge { pin, .. } = self { Some(*pin) } else { None }
     }
@@ -282,10 +286,16 @@ impl OcclusionTangent {
         Some(Bound { value, limit: DragLimit::Pin(pin.number), compliance: pin.compliance })
     }
 
-    /// Computes the distance of the source from the surface, as a limit. `None` for a shadow edge.
-    pub fn source_bound(&self, placed: &SceneLight) -> Option<Bound> {
-        let Self::Surface { at, normal, clearance, size } = self else { return None };
-        let value = ((placed.source() - *at).dot(*normal) - clearance) / size;
-        Some(Bound { value, limit: DragLimit::SourceInside, compliance: 0.0 })
+    /// Computes the distance of the source from the surface, or of two parts of the tube, as a limit. `None` for a shadow
+    /// edge.
+    pub fn light_bound(&self, placed: &SceneLight) -> Option<Bound> {
+        match self {
+            Self::ShadowEdge { .. } => None,
+            Self::Surface { at, normal, clearance, size } => {
+                let value = ((placed.source() - *at).dot(*normal) - clearance) / size;
+                Some(hard_bound(value, DragLimit::SourceInside))
+            }
+            Self::Overlap(met) => overlap_bound(met, placed.rays),
+        }
     }
 }

@@ -10,16 +10,14 @@ use crate::held_pins::HeldPins;
 use crate::matrix::{difference, length};
 use crate::moves::Unknowns;
 use crate::occlusion::Occlusion;
+use crate::overlap::OverlapRule;
 use crate::picture_metric::PictureMetric;
 use crate::pins::Pins;
 use crate::problem::{Objective, Problem, Tracked};
 use crate::request::{DragLimit, NumberedPin, RadiusMode};
-use crate::slide::{LIMIT_HALVINGS, PARTS, RULE, Slide, polyline_length, slide_point};
+use crate::slide::{LIMIT_HALVINGS, MAX_TANGENTS, PARTS, RULE, Slide, polyline_length, slide_point};
 use crate::visibility::Visibility;
 use crate::work::WorkBudget;
-
-/// Most tangents of shadow edges that are added in a slide.
-const MAX_TANGENTS: usize = 12;
 
 /// Greatest length of the way of a placement, in its unit of length. The chain does not shorten steps along such a way.
 const MAX_WAY: f64 = 2.0;
@@ -49,7 +47,8 @@ pub fn slide_point_along_pins(
     let unit = polyline_length(points);
     let unknowns = Unknowns::Points { points: vec![point], radii, unit };
     let whole = ((to - points[point].position) / unit).to_array();
-    let slid = farthest_light(&held, light, &unknowns, Objective::Position { point, to }, &whole);
+    let overlap = OverlapRule::new(light, work);
+    let slid = farthest_light(&held, light, &unknowns, Objective::Position { point, to }, &whole, overlap);
     let distance_left = slid.light().points()[point].position.distance(to);
     Some(Slide { light: slid, limit: Some(limit_of(broken, work)), distance_left })
 }
@@ -86,7 +85,9 @@ pub fn place_along_pins(
         (true, false) => (Unknowns::Move { unit }, ((to - from) / unit).to_array().to_vec()),
         (false, _) => (Unknowns::Turn, turn.to_array().to_vec()),
     };
-    let slid = farthest_light(&held, light, &unknowns, Objective::Placement(&whole), &whole);
+    // A light that moves as a whole overlaps as it did.
+    let none = OverlapRule::default();
+    let slid = farthest_light(&held, light, &unknowns, Objective::Placement(&whole), &whole, none);
     let distance_left = distance_left(&slid);
     Some(Slide { light: slid, limit: Some(limit_of(broken, work)), distance_left })
 }
@@ -103,6 +104,7 @@ fn farthest_light(
     unknowns: &Unknowns,
     objective: Objective,
     whole: &[f64],
+    overlap: OverlapRule,
 ) -> CheckedLight {
     let Some((scene_light, pins)) = held.together() else { return light.clone() };
     let (metric, none) = (PictureMetric::default(), Pins::default());
@@ -112,7 +114,8 @@ fn farthest_light(
     let valid_light = |x: &[f64]| {
         shape.evaluate(x, 1.0, &shape_near).filter(|at| at.violated(0.0).is_none())?;
         let moved = CheckedLight::new(unknowns.light(light.light(), x)).ok()?;
-        held.first_broken(&moved).is_none().then_some(moved)
+        let overlaps = || overlap.overlap(moved.rays(), held.occlusion.work).is_some();
+        (held.first_broken(&moved).is_none() && !overlaps()).then_some(moved)
     };
     let on_way = |share: f64| -> Vec<f64> { whole.iter().map(|whole| whole * share).collect() };
     let left = |x: &[f64]| length(&difference(x, whole));
@@ -133,23 +136,24 @@ fn farthest_light(
     let Some(near) = problem.evaluate(&begin, reached, &near).map(|at| at.tracked) else { return straight };
     let slid = (1..=PARTS).rev().find_map(|part| {
         let to = reached + (1.0 - reached) * f64::from(part) / f64::from(PARTS);
-        let x = chain_with_tangents(held, &mut problem, &begin, &near, [reached, to])?;
+        let x = chain_with_tangents(held, &mut problem, &begin, &near, [reached, to], overlap)?;
         let is_nearer = left(&x) < left(&begin);
         is_nearer.then(|| valid_light(&x)).flatten()
     });
     slid.filter(|_| !held.occlusion.work.is_exhausted()).unwrap_or(straight)
 }
 
-/// Follows a part of the way. An edge of a shadow that a pin has crossed at the end becomes a further bound, since
-/// visibility has no slope. `None` if the chain does not reach the end.
+/// Follows a part of the way. A limit without a slope that the light has crossed at the end becomes a further
+/// bound. `None` if the chain does not reach the end.
 fn chain_with_tangents(
     held: &HeldPins,
     problem: &mut Problem,
     begin: &[f64],
     near: &Tracked,
     part: [f64; 2],
+    overlap: OverlapRule,
 ) -> Option<Vec<f64>> {
-    let visibility = Visibility { occlusion: held.occlusion, source_outside: false };
+    let visibility = Visibility { occlusion: held.occlusion, source_outside: false, overlap };
     problem.tangents.clear();
     loop {
         let x = follow(problem, begin.to_vec(), near, part, &RULE).ok()?.x;

@@ -256,7 +256,7 @@ fn tube_from_source(tube: &Tube<f64>, from_source: DVec3) -> DVec3 {
 
 /// Tracks the root near `t` regardless of the radius, by Newton's method on `(q - P) . P'`. Each step squares the
 /// error.
-fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64> {
+pub(crate) fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64> {
     const STEPS: usize = 12;
     // The error after such a step is its square.
     const ENOUGH: f64 = 1e-9;

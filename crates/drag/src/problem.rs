@@ -8,7 +8,7 @@ use crate::convex_step::Slopes;
 use crate::matrix::Matrix;
 use crate::moves::{MAX_R_KAPPA, Unknowns};
 use crate::picture_metric::{EDGE_SLOPE, PictureMetric, within_edge};
-use crate::pin_state::{OcclusionTangent, PinRow, PinState};
+use crate::pin_state::{LimitTangent, PinRow, PinState};
 use crate::pins::Pins;
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::{DragLimit, Feature, RadiusMode};
@@ -63,8 +63,8 @@ pub(crate) struct Problem<'a> {
     /// Factor of the weights of the metric.
     pub picture_weight: f64,
     pub pins: &'a Pins,
-    /// Tangents of shadow edges and surfaces that pins and the source may not cross.
-    pub tangents: Vec<OcclusionTangent>,
+    /// Tangents of limits without a slope that the light may not cross.
+    pub tangents: Vec<LimitTangent>,
     /// Largest `R kappa` of each segment at the start of the drag. A segment that was above the limit may keep it.
     pub folds: Vec<f64>,
 }
@@ -144,9 +144,9 @@ impl<'a> Problem<'a> {
             }
             Objective::Placement(whole) => rows.extend(x.iter().zip(whole).map(|(x, whole)| x - whole * share)),
         }
-        // A control point without pins needs no tube.
+        // A control point needs no tube if nothing else limits it.
         let is_of_feature = matches!(self.objective, Objective::Feature(_));
-        if is_of_feature || !self.pins.states.is_empty() {
+        if is_of_feature || !self.pins.states.is_empty() || !self.tangents.is_empty() {
             let rays = self.rays(x)?;
             let placed = self.scene_light.with(&rays);
             if let Objective::Feature(taken) = self.objective {
@@ -171,7 +171,7 @@ impl<'a> Problem<'a> {
                     bounds.push(tangent.pin_bound(&placed, &coords, pin)?);
                 }
             }
-            bounds.extend(self.tangents.iter().filter_map(|tangent| tangent.source_bound(&placed)));
+            bounds.extend(self.tangents.iter().filter_map(|tangent| tangent.light_bound(&placed)));
         }
         let all = equations.iter().chain(&rows).chain(bounds.iter().map(|bound| &bound.value));
         let is_finite = all.copied().all(f64::is_finite);

@@ -182,6 +182,9 @@ pub struct DragOutcome {
     /// Share of the picture's pixels whose light changes by more than a fiftieth of a bright pixel's, from 256 pixels;
     /// `None` if the drag was refused, or if its work is spent.
     pub changed_share: Option<f64>,
+    /// Largest change of what a picture shows at a point of a pinned node, 0 to 1, where 1 is the brightness of the pin's
+    /// brightest point at the start; `None` without hard pins of nodes, or if the drag was refused.
+    pub pinned_change: Option<f64>,
     /// Distance on the screen from the cursor to the feature, in pixels; infinite if the feature is not in the picture.
     pub residual_px: f64,
     /// Name of the node that shadows M' in place of the dragged caster point, if another caster is on the light path.
@@ -212,6 +215,8 @@ pub enum DragStatus {
 pub enum DragLimit {
     /// The tube would fold over itself.
     Fold,
+    /// Distant parts of the tube would overlap, which the light does not allow.
+    Overlap,
     /// A radius would be negative.
     Radius,
     /// The point under the cursor would lie outside the light.

@@ -25,12 +25,14 @@ pub(crate) struct DragTask<'a> {
     /// Pins to keep.
     pub pins: &'a [NumberedPin],
     pub work: &'a WorkBudget<'a>,
+    /// True if a drag that does not land ends on its way; false if it is refused.
+    pub ends_on_way: bool,
 }
 
 /// Drags what `drag.points` says. If it `keeps_picture`, the rest of the picture changes as little as it can, else the
 /// light. The result has no changed share.
 pub(crate) fn solved(task: DragTask, keeps_picture: bool) -> DragResult {
-    let DragTask { bvh, light, drag, pins, work } = task;
+    let DragTask { bvh, light, drag, pins, work, ends_on_way } = task;
     let (picked, mut result) = pick(task);
     let occlusion = Occlusion::new(bvh, light, work);
     let distance = drag.from.distance(drag.to);
@@ -44,7 +46,7 @@ pub(crate) fn solved(task: DragTask, keeps_picture: bool) -> DragResult {
             if to_any_end.has_no_effect() {
                 result.outcome.status = DragStatus::Refused(DragRefusal::NoWeight);
             } else {
-                write_farthest(&to_any_end, drag, &mut result);
+                write_farthest(&to_any_end, drag, ends_on_way, &mut result);
             }
         }
     }
@@ -75,6 +77,7 @@ pub(crate) fn pick(task: DragTask) -> ([Option<SeenPoint>; 2], DragResult) {
         status: DragStatus::Refused(DragRefusal::NothingAtStart),
         alternative: None,
         changed_share: None,
+        pinned_change: None,
         residual_px: f64::INFINITY,
         shadowed_by: None,
         iterations: 0,
@@ -85,35 +88,33 @@ pub(crate) fn pick(task: DragTask) -> ([Option<SeenPoint>; 2], DragResult) {
     (picked, DragResult { light: light.light().clone(), copy: None, outcome })
 }
 
-/// Drags the feature to the cursor, or as far as it lands, and writes the result.
-fn write_farthest(to_any_end: &DragToAnyEnd, drag: &Drag, result: &mut DragResult) {
+/// Drags the feature to the cursor, or as far as it lands if it `ends_on_way`, and writes the result.
+fn write_farthest(to_any_end: &DragToAnyEnd, drag: &Drag, ends_on_way: bool, result: &mut DragResult) {
     let Drag { from, to, .. } = *drag;
     let distance = from.distance(to);
-    let land = |share: f64| to_any_end.land(from.lerp(to, share));
+    let at = |share: f64| from.lerp(to, share);
     // The limit is that at the cursor, whatever ends the way before.
-    let mut limit = match land(1.0) {
+    let mut limit = match to_any_end.land(at(1.0)) {
         Ok(landing) => return write(to_any_end, &landing, DragStatus::Landed, result),
         Err(limit) => limit,
     };
     // The farthest of a few places at which the feature lands, then the last pixel before it no longer does.
     let share_of = |part: u32| f64::from(part) / f64::from(PARTS);
-    let parts = (1..PARTS).rev().take_while(|part| share_of(part + 1) > LEAST_SHARE);
-    let mut reached = parts.map(share_of).find_map(|share| Some((share, land(share).ok()?)));
-    if let Some((share, landing)) = &mut reached {
+    let parts = (1..PARTS).rev().take_while(|part| ends_on_way && share_of(part + 1) > LEAST_SHARE);
+    let mut reached = parts.map(share_of).find(|share| to_any_end.can_land(at(*share)));
+    if let Some(share) = &mut reached {
         let mut beyond = *share + 1.0 / f64::from(PARTS);
         while (beyond - *share) * distance > 1.0 {
             let middle = f64::midpoint(*share, beyond);
-            match land(middle) {
-                Ok(found) => (*share, *landing) = (middle, found),
-                Err(_) => beyond = middle,
-            }
+            if to_any_end.can_land(at(middle)) { *share = middle } else { beyond = middle }
         }
     }
+    let landed = reached.filter(|share| *share >= LEAST_SHARE).map(|share| (share, to_any_end.land(at(share))));
     if to_any_end.occlusion.work.is_exhausted() {
         limit = DragLimit::TooMuchWork;
     }
-    match reached {
-        Some((share, landing)) if share >= LEAST_SHARE => {
+    match landed {
+        Some((share, Ok(landing))) => {
             let residual_px = distance * (1.0 - share);
             write(to_any_end, &Landing { residual_px, ..landing }, DragStatus::Limited(limit), result);
         }
@@ -127,5 +128,6 @@ fn write(to_any_end: &DragToAnyEnd, landing: &Landing, status: DragStatus, resul
     result.outcome.status = status;
     result.outcome.residual_px = landing.residual_px;
     result.outcome.iterations = landing.iterations;
+    result.outcome.pinned_change = to_any_end.largest_change_of_nodes(&landing.light);
     result.outcome.shadowed_by = landing.shadowed_by.map(|node| nodes[node].name.clone());
 }

@@ -5,6 +5,7 @@ use raycast::SeenPoint;
 
 use crate::moves::Unknowns;
 use crate::occlusion::{Occlusion, ShadowCaster};
+use crate::overlap::OverlapRule;
 use crate::pins::Pins;
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::{Drag, DragRefusal, Feature, NumberedPin};
@@ -20,6 +21,7 @@ pub(crate) struct DragStart<'a> {
     pub caster: Option<ShadowCaster>,
     pub pins: Pins,
     pub unknowns: Unknowns,
+    pub overlap: OverlapRule,
 }
 
 impl<'a> DragStart<'a> {
@@ -51,7 +53,12 @@ impl<'a> DragStart<'a> {
         };
         let pins = Pins::new(occlusion, &drag.view, &placed, pins)?;
         let unknowns = choose_unknowns(light, drag, from.position.distance(placed.source()))?;
-        Ok(Self { placed, from, coords, caster, pins, unknowns })
+        // A light that moves as a whole overlaps as it did.
+        let overlap = match unknowns {
+            Unknowns::Points { .. } => OverlapRule::new(light, occlusion.work),
+            _ => OverlapRule::default(),
+        };
+        Ok(Self { placed, from, coords, caster, pins, unknowns, overlap })
     }
 
     /// Returns the feature with its way to the surface `to`.

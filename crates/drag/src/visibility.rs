@@ -1,12 +1,12 @@
-//! Visibility constraints of a drag: occlusion of pinned points and surfaces before the source. Rays find them, since
-//! they have no slope.
+//! Limits of a drag without a slope: occlusion of pinned points, surfaces before the source, and overlaps of the tube.
 
 use glam::{DVec2, DVec3};
 
 use crate::bound::cross_error;
 use crate::moves::Unknowns;
 use crate::occlusion::Occlusion;
-use crate::pin_state::{OcclusionTangent, PinState};
+use crate::overlap::OverlapRule;
+use crate::pin_state::{LimitTangent, PinState};
 use crate::pins::{NodePin, Pins};
 use crate::point_in_light::SceneLight;
 use crate::problem::Problem;
@@ -38,29 +38,36 @@ const EDGE_PROBE_RADIUS: f64 = 1e-3;
 /// Number of light paths that probe the direction of an edge.
 const EDGE_PROBE_COUNT: usize = 16;
 
-/// Scene against which the limits that depend on visibility are checked.
+/// Scene and rules against which the limits without a slope are checked.
 pub(crate) struct Visibility<'a> {
     pub occlusion: &'a Occlusion<'a>,
     /// True if the source may not go through a surface.
     pub source_outside: bool,
+    pub overlap: OverlapRule,
 }
 
 impl Visibility<'_> {
-    /// Returns tangents of the shadow edges and surfaces that the light with the unknowns `x` has crossed, as limits
-    /// for the next solve. Empty if it has crossed none. Checks soft pins too if `are_soft`.
-    pub fn violated_tangents(&self, problem: &Problem, x: &[f64], are_soft: bool) -> Vec<OcclusionTangent> {
+    /// Returns tangents of the limits that the light with the unknowns `x` has crossed, for the next solve. Empty if it
+    /// has crossed none. Checks soft pins too if `are_soft`.
+    pub fn violated_tangents(&self, problem: &Problem, x: &[f64], are_soft: bool) -> Vec<LimitTangent> {
         let pins = self.violated_pins(problem, x, |pin| pin.is_hard() || (are_soft && !pin.is_of_node));
         let edges = pins.into_iter().filter_map(|pin| self.edge(problem, pin, x));
-        let edges: Vec<OcclusionTangent> = edges.take(EDGES_AT_ONCE).collect();
-        if edges.is_empty() { self.surface(problem, x).into_iter().collect() } else { edges }
+        let edges: Vec<LimitTangent> = edges.take(EDGES_AT_ONCE).collect();
+        if !edges.is_empty() {
+            return edges;
+        }
+        let met = || self.overlap.first_overlap(problem, x).map(LimitTangent::Overlap);
+        self.surface(problem, x).or_else(met).into_iter().collect()
     }
 
-    /// Returns the first hard pin or surface that the light with the unknowns `x` violates.
+    /// Returns the first limit that the light with the unknowns `x` violates.
     pub fn violated_limit(&self, problem: &Problem, x: &[f64]) -> Option<DragLimit> {
         let pins = self.violated_pins(problem, x, PinState::is_hard);
         let node = || in_light(problem, x, |placed| self.first_violated_node(placed, problem.pins));
         let pin = pins.first().map(|pin| pin.number).or_else(node).map(DragLimit::Pin);
+        let overlaps = || problem.rays(x).and_then(|rays| self.overlap.overlap(&rays, problem.work()));
         pin.or_else(|| self.surface(problem, x).map(|_| DragLimit::SourceInside))
+            .or_else(|| overlaps().map(|_| DragLimit::Overlap))
     }
 
     /// Returns the pins of the selection that are not fulfilled in the light with the unknowns `x`.
@@ -95,14 +102,35 @@ impl Visibility<'_> {
         pins.nodes.iter().find(|node| !is_held(node)).map(|node| node.number)
     }
 
+    /// Returns the largest change, from the first light to the second, of what a picture shows at a point of a hard pin of
+    /// a node: 0 to 1, where 1 is the brightness of the pin's brightest point at the start of the drag. `None` without such
+    /// a pin.
+    pub fn largest_change_of_nodes(&self, lights: [&SceneLight; 2], pins: &Pins) -> Option<f64> {
+        let arriving = |light: &SceneLight, pin: &PinState| {
+            let coords = light.locate(pin.point, None).filter(|coords| light.contains(coords))?;
+            let is_lit = pin.is_lit(self.occlusion, light, &coords);
+            if is_lit { pin.brightness(light, &coords) } else { None }
+        };
+        let of_node = |node: &NodePin| {
+            let states = &pins.states[node.states.clone()];
+            let brightness = lights.map(|light| -> Vec<f64> {
+                states.iter().map(|pin| arriving(light, pin).unwrap_or_default()).collect()
+            });
+            let brightest = brightness[0].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+            let [before, after] =
+                brightness.map(|brightness| brightness.into_iter().map(move |b| shown(b / brightest)));
+            before.zip(after).map(|(before, after)| (after.min(1.0) - before).abs()).fold(0.0, f64::max)
+        };
+        pins.nodes.iter().map(of_node).reduce(f64::max)
+    }
+
     /// True if one of many points of a pin looks as before. `brightest` is the irradiance of the brightest of them. `None`
     /// if the point has no light coordinates.
     fn looks_held(&self, placed: &SceneLight, pin: &PinState, brightest: f64) -> Option<bool> {
         let coords = placed.locate(pin.point, None)?;
         let turn = coords.to_light.distance(pin.start_coords.to_light);
         let (now, was) = (pin.brightness(placed, &coords)?, pin.start_brightness());
-        // sRGB, but for its straight part near 0.
-        let shown = |brightness: f64| 1.055 * libm::pow(brightness / brightest.max(f64::MIN_POSITIVE), 1.0 / 2.4);
+        let shown = |brightness: f64| shown(brightness / brightest.max(f64::MIN_POSITIVE));
         let is_held = match (pin.kind, pin.stays_lit) {
             (PinKind::Direction, _) => turn < NODE_TURN,
             (PinKind::Look, Some(true)) => {
@@ -150,7 +178,7 @@ impl Visibility<'_> {
 
     /// Finds the shadow edge that a pinned point crosses if the unknowns change in a straight line from the start to
     /// `x`.
-    fn edge(&self, problem: &Problem, pin: &PinState, x: &[f64]) -> Option<OcclusionTangent> {
+    fn edge(&self, problem: &Problem, pin: &PinState, x: &[f64]) -> Option<LimitTangent> {
         let at = |share: f64| -> Vec<f64> { x.iter().map(|x| x * share).collect() };
         let stays_lit = pin.stays_lit?;
         let (mut holds, mut violated) = (0.0, 1.0);
@@ -178,12 +206,12 @@ impl Visibility<'_> {
                 if is_allowed { side } else { -side }
             });
             let allowed = allowed.sum::<DVec2>().try_normalize()?;
-            Some(OcclusionTangent::ShadowEdge { pin: pin.number, caster: caster.position, t: caster.t, allowed })
+            Some(LimitTangent::ShadowEdge { pin: pin.number, caster: caster.position, t: caster.t, allowed })
         })
     }
 
     /// Finds the surface that the source crosses in the light with the unknowns `x`, as `crossed_surface` does.
-    fn surface(&self, problem: &Problem, x: &[f64]) -> Option<OcclusionTangent> {
+    fn surface(&self, problem: &Problem, x: &[f64]) -> Option<LimitTangent> {
         let Unknowns::Rigid { unit } = *problem.unknowns else { return None };
         self.crossed_surface(problem.scene_light.source(), DVec3::from_slice(&x[..3]) * unit)
     }
@@ -192,7 +220,7 @@ impl Visibility<'_> {
     /// makes it a limit for the source. Shadow links are ignored. `None` if the source may go through surfaces.
     ///
     /// The source keeps a distance of a thousandth of the scene's size, or of half its distance at the start.
-    pub fn crossed_surface(&self, from: DVec3, offset: DVec3) -> Option<OcclusionTangent> {
+    pub fn crossed_surface(&self, from: DVec3, offset: DVec3) -> Option<LimitTangent> {
         if !self.source_outside {
             return None;
         }
@@ -209,8 +237,13 @@ impl Visibility<'_> {
         let at = from + offset * hit.distance;
         let clearance = (SURFACE_CLEARANCE_SHARE * size).min(0.5 * (from - at).dot(normal));
         let is_clear = (from + offset - at).dot(normal) >= 0.99 * clearance;
-        (!is_clear).then_some(OcclusionTangent::Surface { at, normal, clearance, size })
+        (!is_clear).then_some(LimitTangent::Surface { at, normal, clearance, size })
     }
+}
+
+/// Returns the brightness that a display shows, by sRGB but for its straight part near 0.
+fn shown(brightness: f64) -> f64 {
+    1.055 * libm::pow(brightness, 1.0 / 2.4)
 }
 
 /// Applies `what` to the light with the unknowns `x`, placed in the scene. `None` if the light cannot be evaluated.

@@ -39,6 +39,7 @@ mod lanes;
 mod light;
 mod light_coords;
 mod links;
+mod overlap;
 mod parameter;
 pub mod parameters;
 mod part;
@@ -69,6 +70,7 @@ pub use frame::perpendicular_up;
 pub use lanes::{Lanes, Mask};
 pub use light_coords::LightCoords;
 pub use links::{Links, MAX_LINK_BYTES, MAX_LINKS};
+pub use overlap::TubeOverlap;
 pub use parameter::{
     MAX_EXTENT, MAX_NAME_BYTES, NumberRange, Parameter, ParameterChoice, ParameterKey, ParameterKind, ParameterNeeded,
     ParameterNeeds, ParameterOf, ParameterOwner, ParameterScale, ParameterTouches, Setting, Value, ValueStorage,

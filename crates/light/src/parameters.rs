@@ -229,6 +229,9 @@ rows! { LIGHT_ROWS:
             &[of(Bendy, Value::Choice(FrameMode::RotationMinimizing.name()), ShadowMap)]);
     UP: DVec3 = "Light-local direction that orients the cross-section at the source.",
         row("up", "Shape", "Up", Vector { unit: "", step: 0.01 }, &[of(Bendy, Value::Vector(DVec3::Y), ShadowMap)]);
+    ALLOW_OVERLAP: bool = "Whether drags and handles may make distant parts of the tube overlap. A point in two parts is lit by one alone.",
+        row("allowOverlap", "Shape", "Overlap", ParameterKind::Flag,
+            &[of(Bendy, Value::Flag(false), Nothing)]);
     SHADOW_ENABLE: bool = "Whether anything shadows it.",
         row("shadowEnable", "Shadow", "Shadows", ParameterKind::Flag, &all_lights(Value::Flag(true), Radiance));
     SHADOW_COLOR: DVec3 = "Linear RGB: the share of the light that reaches what is in its shadow.",

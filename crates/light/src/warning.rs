@@ -1,9 +1,9 @@
 //! Warnings about lights that are usable.
 
-use std::f64::consts::TAU;
 use std::fmt;
 
 use crate::Tube;
+use crate::overlap::TubeOverlap;
 
 /// Property of a valid light that may surprise an artist.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,42 +36,14 @@ impl fmt::Display for LightWarning {
     }
 }
 
-/// Number of points along a segment that are tested for overlaps.
-const ALONG: usize = 16;
-/// Number of points around the axis that are tested for overlaps.
-const AROUND: usize = 12;
-
 impl Tube<f64> {
-    /// Returns warnings about the light. Overlaps are searched on a grid, at the rim of the tube and on its axis: one
-    /// narrower than a sixteenth of a segment may be missed. At most one overlap is reported.
+    /// Returns warnings about the light. At most one overlap is reported, as [`Self::overlap()`] finds it.
     pub fn warnings(&self) -> Vec<LightWarning> {
         let corners = self.segments.windows(2).enumerate().filter_map(|(i, pair)| {
             let cos = pair[0].curve.u_hat(1.0).dot(pair[1].curve.u_hat(0.0));
             (cos < 1.0 - 1e-9).then_some(LightWarning::Corner { t: (i + 1) as f64 })
         });
-        corners.chain(self.overlap()).collect()
-    }
-
-    fn overlap(&self) -> Option<LightWarning> {
-        (0..self.n * ALONG).find_map(|k| {
-            let (i, u) = (k / ALONG, (k % ALONG) as f64 / ALONG as f64);
-            let curve = &self.segments[i].curve;
-            let (v_hat, w_hat) = self.cross_section(curve, curve.u_hat(u));
-            (0..=AROUND).find_map(|around| {
-                let (sin, cos) = libm::sincos(TAU * around as f64 / AROUND as f64);
-                // The last point is on the axis. The others avoid the rounding at the rim.
-                let rho = if around == AROUND { 0.0 } else { 0.999 * curve.radius(u) };
-                let q = curve.position(u) + (v_hat * cos + w_hat * sin) * rho;
-                let t = i as f64 + u;
-                let mut other = None;
-                self.for_each_root(q, |root| {
-                    let other_t = root.segment as f64 + root.u;
-                    if (other_t - t).abs() > 1e-6 {
-                        other = Some(other_t);
-                    }
-                });
-                other.map(|other_t| LightWarning::Overlap { t, other_t })
-            })
-        })
+        let overlap = self.overlap(0.0).map(|TubeOverlap { t, other_t, .. }| LightWarning::Overlap { t, other_t });
+        corners.chain(overlap).collect()
     }
 }

@@ -67,7 +67,7 @@ export function featureDrag(
     size: [size.width, size.height],
     from: [from.x, from.y],
     to: [to.x, to.y],
-    ...(following.sourceOutside ? { sourceOutside: true } : {}),
+    sourceOutside: following.sourceOutside,
   };
 }
 

@@ -5,6 +5,7 @@ import type { DragAlternative, DragLimit, DragOutcome, DragReason } from "./prot
 
 const LIMITS: { [L in DragLimit]: string } = {
   fold: "the tube would fold",
+  overlap: "the tube would overlap itself",
   radius: "it would be thinner than nothing",
   tubeEdge: "it would lie outside the light",
   noDescent: "nothing small brings it nearer",
@@ -54,15 +55,22 @@ function reasonText(reason: Exclude<DragReason, "limited">, pin: PinName): strin
   return reason === "pinDoesNotHold" && pin !== null ? `the pin “${pin}” does not hold` : REASONS[reason];
 }
 
-/** Lines about a drag that is under way: the residual, what changes, and the alternative that was taken. */
+/** Largest change of what the picture shows of pinned objects. */
+function pinnedText(change: number): string {
+  const steps = Math.round(255 * change);
+  return steps === 0 ? "pinned objects stay as they are" : `pinned objects change by ${steps} of 255 at most`;
+}
+
+/** Lines about a drag that is under way: the residual, what changes, the alternative that was taken, and what pinned objects change. */
 export function dragLines(outcome: DragOutcome, taken: DragAlternative | null, pin: PinName): string[] {
-  const { changedShare, shadowedBy, status } = outcome;
+  const { changedShare, pinnedChange, shadowedBy, status } = outcome;
   const changes = changesText(changedShare);
   const name = taken === null ? null : ALTERNATIVE_NAMES[taken];
   const lines = [
     shortText(outcome, pin),
     shadowedBy === null || status === "refused" ? null : `${shadowedBy} shadows this too`,
     [name, changes].filter((part) => part !== null).join(", "),
+    pinnedChange === undefined ? null : pinnedText(pinnedChange),
   ];
   return lines.filter((line) => line !== null && line !== "") as string[];
 }

@@ -117,6 +117,7 @@ export type LightParameter =
   | LightDirection
   | LightFrame
   | LightUp
+  | LightAllowOverlap
   | LightShadowEnable
   | LightShadowColor
   | LightLightLink
@@ -329,6 +330,7 @@ export type DragAlternative = "controlPoints" | "narrower" | "wholeLight" | "pas
  * `drag::DragLimit` in JSON.
  *
  * - `fold`: The tube would fold.
+ * - `overlap`: Distant parts of the tube would overlap. Set the light's `allowOverlap` to let them.
  * - `radius`: A radius would become negative.
  * - `tubeEdge`: M' would lie outside the light, or in another part of it.
  * - `noDescent`: No small change brings the feature nearer to the cursor.
@@ -336,7 +338,8 @@ export type DragAlternative = "controlPoints" | "narrower" | "wholeLight" | "pas
  * - `pin`: The drag cannot keep a hard pin. `pin` names it.
  * - `tooMuchWork`: The solver reached its work limit. Choose fewer control points, or remove pins.
  */
-export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceInside" | "pin" | "tooMuchWork";
+export type DragLimit =
+  "fold" | "overlap" | "radius" | "tubeEdge" | "noDescent" | "sourceInside" | "pin" | "tooMuchWork";
 /**
  * `DragRefusal` in JSON.
  *
@@ -780,6 +783,10 @@ export interface AddLight {
  * Light along a spline. Each list has one value a control point, three or more; the first is the source.
  */
 export interface Bendy {
+  /**
+   * Whether drags and handles may make distant parts of the tube overlap. A point in two parts is lit by one alone.
+   */
+  allowOverlap: boolean;
   /**
    * Linear RGB of all that it emits. That of a BendyLight's control points is a factor of it.
    *
@@ -1814,6 +1821,15 @@ export interface LightUp {
   up: [number, number, number];
 }
 /**
+ * Whether drags and handles may make distant parts of the tube overlap. A point in two parts is lit by one alone.
+ */
+export interface LightAllowOverlap {
+  /**
+   * Whether drags and handles may make distant parts of the tube overlap. A point in two parts is lit by one alone.
+   */
+  allowOverlap: boolean;
+}
+/**
  * Whether anything shadows it.
  */
 export interface LightShadowEnable {
@@ -2008,7 +2024,8 @@ export interface DragFeature {
    */
   size: [number, number];
   /**
-   * True if the source may not pass through a surface.
+   * True if the source may not pass through a surface. By default true with `alternative` or
+   * `alternatives`, and else false.
    */
   sourceOutside?: boolean;
   /**
@@ -2690,6 +2707,11 @@ export interface DragOutcome {
    * Pin that stopped the drag: its id in the document, or its index in the drag's own `pins`.
    */
   pin?: number;
+  /**
+   * Largest change of what a picture shows at a point of an object that a hard pin holds, 0 to 1, where 1 is the
+   * brightness of its brightest point before the drag. Only with such a pin.
+   */
+  pinnedChange?: number;
   /**
    * World position on the caster of the dragged shadow.
    *

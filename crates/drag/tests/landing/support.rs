@@ -137,14 +137,27 @@ pub fn unseen_scenes() -> [TestScene; 2] {
 
 /// Makes a square with eight pillars and a low wall.
 fn pillars() -> TestScene {
-    let boxes = [("ground", [0.0, -0.5, 0.0], [16.0, 1.0, 16.0]), ("wall", [0.0, 0.4, -5.0], [12.0, 0.8, 0.3])];
-    let boxes = boxes.map(|(name, at, size)| (name.to_owned(), DVec3::from(at), DVec3::from(size)));
+    let square = [GROUND, ("wall", [0.0, 0.4, -5.0], [12.0, 0.8, 0.3])];
+    let square = square.map(|(name, at, size)| (name.to_owned(), DVec3::from(at), DVec3::from(size)));
     let pillar = |k: usize| {
         let height = 1.0 + 0.35 * k as f64;
         let at = DVec3::new(2.4 * (k % 4) as f64 - 3.6, 0.5 * height, 3.0 * (k / 4) as f64 - 2.0);
         (format!("pillar {k}"), at, DVec3::new(0.5, height, 0.5))
     };
-    let nodes = boxes.into_iter().chain((0..8).map(pillar)).map(|(name, at, size)| Node {
+    boxes("pillars", square.into_iter().chain((0..8).map(pillar)))
+}
+
+/// Makes the ground of that square alone.
+pub fn ground() -> TestScene {
+    let (name, at, size) = GROUND;
+    boxes("ground", [(name.to_owned(), at.into(), size.into())])
+}
+
+const GROUND: (&str, [f64; 3], [f64; 3]) = ("ground", [0.0, -0.5, 0.0], [16.0, 1.0, 16.0]);
+
+/// Makes a scene of boxes with these names, centers and sizes, seen from above.
+fn boxes(name: &str, boxes: impl IntoIterator<Item = (String, DVec3, DVec3)>) -> TestScene {
+    let nodes = boxes.into_iter().map(|(name, at, size)| Node {
         name,
         parent: None,
         parent_from_local: DAffine3::from_scale_rotation_translation(size, DQuat::IDENTITY, at),
@@ -158,7 +171,7 @@ fn pillars() -> TestScene {
         rotation: DQuat::from_rotation_y(0.219) * DQuat::from_rotation_x(-0.454),
         projection: Projection::Perspective { yfov: 0.7, aspect_ratio: None, znear: 0.01, zfar: None },
     };
-    TestScene { name: "pillars".into(), bvh: Bvh::new(scene::pose(scene)), view: Viewport { camera, size: SIZE } }
+    TestScene { name: name.into(), bvh: Bvh::new(scene::pose(scene)), view: Viewport { camera, size: SIZE } }
 }
 
 /// Makes a box of one unit about the origin.
