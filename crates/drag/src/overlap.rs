@@ -6,7 +6,6 @@ use light::{CheckedLight, LightRays, Tube, TubeOverlap};
 
 use crate::bound::{Bound, hard_bound};
 use crate::point_in_light::track_root;
-use crate::problem::Problem;
 use crate::request::DragLimit;
 use crate::work::WorkBudget;
 
@@ -17,7 +16,7 @@ const CLEARANCE: f64 = 0.05;
 /// Room that the solver keeps to that distance, in radii.
 const ROOM: f64 = 1e-3;
 
-/// Number of times that an interval is halved to find where a light first overlaps on a straight line.
+/// Number of times that an interval is halved to find where a light first overlaps on a way.
 const HALVINGS: usize = 12;
 
 /// Costs of a tested cross-section, in steps. This one is for its points, per segment. The next one is for each other
@@ -47,14 +46,11 @@ impl OverlapRule {
         overlap(tube, self.clearance?, work)
     }
 
-    /// Finds where the light first overlaps if the unknowns change in a straight line from the start to `x`. `None` if
-    /// the light with the unknowns `x` does not overlap.
-    pub fn first_overlap(&self, problem: &Problem, x: &[f64]) -> Option<TubeOverlap> {
+    /// Finds where the light first overlaps on a way, at whose shares its rays are `rays_at`. `None` if it does not at the
+    /// end of the way.
+    pub fn first_overlap(&self, rays_at: impl Fn(f64) -> Option<LightRays>, work: &WorkBudget) -> Option<TubeOverlap> {
         self.clearance?;
-        let at = |share: f64| {
-            let x: Vec<f64> = x.iter().map(|x| x * share).collect();
-            self.overlap(&problem.rays(&x)?, problem.work())
-        };
+        let at = |share: f64| self.overlap(&rays_at(share)?, work);
         let mut first = at(1.0)?;
         let (mut apart, mut overlapping) = (0.0, 1.0);
         for _ in 0..HALVINGS {

@@ -1,12 +1,13 @@
 //! A drag as equations, rows of least squares and bounds, evaluated and linearized at a light.
 
 use glam::DVec3;
-use light::{CheckedLight, LightRays, r_kappa_max_of_segments};
+use light::{CheckedLight, LightRays, TubeOverlap, r_kappa_max_of_segments};
 
 use crate::bound::{Bound, MIN_PATH_SPACING, cross_error, direction_error_about, distance_behind, hard_bound};
 use crate::convex_step::Slopes;
 use crate::matrix::Matrix;
 use crate::moves::{MAX_R_KAPPA, Unknowns};
+use crate::overlap::OverlapRule;
 use crate::picture_metric::{EDGE_SLOPE, PictureMetric, within_edge};
 use crate::pin_state::{LimitTangent, PinRow, PinState};
 use crate::pins::Pins;
@@ -223,6 +224,13 @@ impl<'a> Problem<'a> {
             Unknowns::Rigid { .. } | Unknowns::Turn | Unknowns::Move { .. } => STEPS_OF_COPY,
         };
         self.work().spend(of_a_point * points).then(|| self.unknowns.rays(self.start, x))?
+    }
+
+    /// Returns where the light first overlaps if the unknowns change in a straight line from the start to `x`. `None` if it
+    /// does not at `x`.
+    pub fn first_overlap(&self, rule: OverlapRule, x: &[f64]) -> Option<TubeOverlap> {
+        let rays_at = |share: f64| self.rays(&x.iter().map(|x| x * share).collect::<Vec<_>>());
+        rule.first_overlap(rays_at, self.work())
     }
 
     pub fn work(&self) -> &'a WorkBudget<'a> {

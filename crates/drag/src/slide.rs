@@ -125,7 +125,7 @@ fn without_overlap(
     problem.tangents.clear();
     loop {
         let end = follow(problem, begin.to_vec(), near, part, &RULE).ok()?;
-        let met = overlap.first_overlap(problem, &end.x).filter(|_| problem.tangents.len() < MAX_TANGENTS);
+        let met = problem.first_overlap(overlap, &end.x).filter(|_| problem.tangents.len() < MAX_TANGENTS);
         let Some(met) = met else { return Some(end) };
         problem.tangents.push(LimitTangent::Overlap(met));
     }

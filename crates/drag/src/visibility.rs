@@ -56,7 +56,7 @@ impl Visibility<'_> {
         if !edges.is_empty() {
             return edges;
         }
-        let met = || self.overlap.first_overlap(problem, x).map(LimitTangent::Overlap);
+        let met = || problem.first_overlap(self.overlap, x).map(LimitTangent::Overlap);
         self.surface(problem, x).or_else(met).into_iter().collect()
     }
 
