@@ -11,7 +11,7 @@ use crate::rays::tube::TubeRoot;
 use crate::segment::Segment;
 
 /// Numbers of cross-sections of a segment that are tested, at least and at most, and of points around each.
-const ALONG: [f64; 2] = [16.0, 64.0];
+const ALONG: [f64; 2] = [4.0, 64.0];
 const AROUND: usize = 12;
 
 /// Distance between tested cross-sections, in radii.
