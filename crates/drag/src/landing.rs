@@ -93,8 +93,7 @@ impl<'a> DragToAnyEnd<'a> {
     /// the first that does not hold is the limit.
     pub fn land(&self, pixel: DVec2) -> Result<Landing, DragLimit> {
         let (pins, visibility) = (&self.start.pins, self.visibility());
-        let land = |pins, visibility| self.land_with_pins(pixel, pins, visibility);
-        let landed = land(pins, &visibility);
+        let landed = self.land_with_pins(pixel, pins, &visibility);
         let Err(limit) = landed else { return landed };
         // Control points leave the source where it is.
         let holds_source = self.drag.source_outside && matches!(self.start.unknowns, Unknowns::Rigid { .. });
@@ -103,13 +102,13 @@ impl<'a> DragToAnyEnd<'a> {
         }
         let hard = pins.hard();
         if !hard.states.is_empty() && hard.states.len() < pins.states.len() {
-            let landed = land(&hard, &visibility);
+            let landed = self.land_with_pins(pixel, &hard, &visibility);
             if landed.is_ok() {
                 return landed;
             }
         }
         let anywhere = Visibility { source_outside: false, ..self.visibility() };
-        let free = land(&Pins::default(), &anywhere).map_err(|_| limit)?;
+        let free = self.land_with_pins(pixel, &Pins::default(), &anywhere).map_err(|_| limit)?;
         let placed = self.start.placed.with(free.light.rays());
         let from = self.start.placed.source();
         match visibility.first_violated_pin(&placed, &hard) {

@@ -42,11 +42,14 @@ struct CrossSection {
     segment: usize,
     u: f64,
     center: DVec3,
+    /// Unit tangent of the curve, normal to the cross-section.
+    tangent: DVec3,
     radius: f64,
     /// Arc length from the source.
     arc: f64,
-    /// Distance from the center within which all points of the tube up to the neighbouring cross-sections lie.
-    reach: f64,
+    /// Distance of the centers of the neighbouring cross-sections, at most, and the largest radius up to them.
+    spacing: f64,
+    largest_radius: f64,
 }
 
 impl CrossSection {
@@ -54,11 +57,19 @@ impl CrossSection {
         self.segment as f64 + self.u
     }
 
-    /// True if points of this cross-section, moved outwards by the clearance, may lie in the other part.
+    /// True if points of this cross-section, moved outwards by the clearance, may lie in one between the neighbours of the
+    /// other. Such a point is at most twice the spacing from the other's plane: once along the curve, and once by the turn
+    /// of the planes, since the radius is less than that of the bend.
     fn may_touch(&self, other: &Self, clearance: f64) -> bool {
         let is_apart =
-            clearance == 0.0 || self.is_apart(other.arc + other.reach) || self.is_apart(other.arc - other.reach);
-        is_apart && self.center.distance(other.center) <= self.radius * (RIM + clearance) + other.reach
+            clearance == 0.0 || self.is_apart(other.arc + other.spacing) || self.is_apart(other.arc - other.spacing);
+        if !is_apart {
+            return false;
+        }
+        let (rim, between) = (self.radius * (RIM + clearance), self.center - other.center);
+        let turn = self.tangent.cross(other.tangent).length();
+        between.dot(other.tangent).abs() <= rim * turn + 2.0 * other.spacing
+            && between.length() <= rim + other.largest_radius + other.spacing
     }
 
     fn is_apart(&self, arc: f64) -> bool {
@@ -92,12 +103,17 @@ impl Tube<f64> {
             (0..=last).map(move |k| {
                 let [before, u, after] = [k as f64 - 1.0, k as f64, k as f64 + 1.0].map(|k| k / count as f64);
                 let (center, radius) = (curve.position(u), curve.radius(u));
-                let reach_to = |u: f64| {
-                    let u = u.clamp(0.0, 1.0);
-                    curve.position(u).distance(center) + curve.radius(u).max(radius)
-                };
-                let arc = arc_start + arc_length(&curve, u);
-                CrossSection { segment: i, u, center, radius, arc, reach: reach_to(before).max(reach_to(after)) }
+                let beside = [before, after].map(|u| u.clamp(0.0, 1.0));
+                CrossSection {
+                    segment: i,
+                    u,
+                    center,
+                    tangent: curve.u_hat(u),
+                    radius,
+                    arc: arc_start + arc_length(&curve, u),
+                    spacing: beside.map(|u| curve.position(u).distance(center)).into_iter().fold(0.0, f64::max),
+                    largest_radius: beside.map(|u| curve.radius(u)).into_iter().fold(radius, f64::max),
+                }
             })
         };
         self.segments[..self.n].iter().enumerate().flat_map(of_segment).collect()
@@ -105,7 +121,7 @@ impl Tube<f64> {
 
     fn overlap_of_cross_section(&self, section: &CrossSection, clearance: f64) -> Option<TubeOverlap> {
         let curve = &self.segments[section.segment].curve;
-        let (v_hat, w_hat) = self.cross_section(curve, curve.u_hat(section.u));
+        let (v_hat, w_hat) = self.cross_section(curve, section.tangent);
         let arc_of = |root: &TubeRoot<f64>| {
             let segment = &self.segments[root.segment];
             segment.arc_start + arc_length(&segment.curve, root.u)

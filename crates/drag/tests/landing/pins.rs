@@ -184,7 +184,7 @@ fn infeasible_drags_name_the_pin() {
 fn the_source_stays_outside() {
     let scene = support::demo();
     let (mut kept, mut through) = (0, 0);
-    for mut trial in trials(&scene, Feature::Highlight, 120) {
+    for mut trial in trials(&scene, Feature::Highlight, 60) {
         trial.drag.points = None;
         let source = |result: &DragResult| result.light.transform().translation;
         let origin = scene.bvh.posed.origin_in_world;
