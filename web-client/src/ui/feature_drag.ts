@@ -97,6 +97,8 @@ export function takeFeature(
 
   function cancel(): void {
     isCancelled = true;
+    // A second finger may come after the answer that nothing is taken.
+    toolbox.said.value = null;
     if (drag === null) return;
     toolbox.dragged.value = null;
     answers.close();

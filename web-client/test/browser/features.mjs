@@ -429,6 +429,14 @@ async function byFinger(open, http) {
   ]);
   await settled(page);
   expect((await state(page)).cameraRevision !== cameraRevision, "Two fingers must zoom.");
-  expect((await page.getByText("No shadow falls here").count()) === 0, "The tool must not speak of a pinch.");
+  const isSilent = async () => (await page.getByText("No shadow falls here").count()) === 0;
+  expect(await isSilent(), "The tool must not speak of a pinch.");
+  // The second finger after the answer to the first.
+  await touch([
+    [left, left],
+    [right, right, 5],
+  ]);
+  await settled(page);
+  expect(await isSilent(), "The second finger must take back what the tool said of the first.");
   expect((await seqOf(page)) === seq + 1, "A pinch must drag nothing.");
 }
