@@ -71,7 +71,7 @@ PACKAGES := gcc g++ libc6-dev libvulkan1 mesa-vulkan-drivers
 BACKPORTS := http://deb.debian.org/debian
 # A browser for the page, strace to see that what is acknowledged is on disk, curl and jq for the commands of README and docs, systemd-analyze
 # for the units in deploy/, nginx and Caddy for its snippets, and Python for the tools that check openapi.json.
-TEST_PACKAGES := chromium strace curl jq systemd nginx-light caddy python3 python3-venv
+TEST_PACKAGES := chromium-headless-shell strace curl jq systemd nginx-light caddy python3 python3-venv
 
 packages:
 	@command -v cargo > /dev/null || { echo "Rust is missing: install it from your distribution or rustup.rs"; exit 1; }

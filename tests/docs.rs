@@ -108,6 +108,51 @@ fn the_commands_of_the_command_line_page_run() {
     assert!(!refused.status.success() && errors.contains("--nowhere"), "{errors}");
 }
 
+/// The commands of `docs/figures.md` write the pictures that it shows. One vase is lit from elsewhere and the rest of the scene
+/// stays the same to the bit; a shadow moves and nine in ten pixels of the vase that throws it stay within 8 of 255.
+#[test]
+#[ignore = "needs jq: make test-packages"]
+fn the_figures_come_of_their_commands() {
+    let beside = Beside::start();
+    let script = script_of(include_str!("../docs/figures.md"));
+    beside.succeeds(&script);
+    let written = |name: &str| beside.colors(&format!("{name}.png"));
+    let before = written("before");
+    for name in ["before", "relit", "bent", "copied"] {
+        let file = repository().join(format!("crates/bendylights/pictures/figure-5-{name}.png"));
+        let shown = image::open(file).expect("the page's picture").to_rgb8();
+        let others = differing(&written(name), &shown, 32).count();
+        assert!(others < OTHER_SAMPLES, "{name}.png differs in {others} pixels from what the page shows");
+    }
+    let is_near_blue_vase = |[x, y]: [u32; 2]| (91..=217).contains(&x) && (58..=269).contains(&y);
+    let spoils = |relit: &RgbImage| differing(&before, relit, 0).any(|pixel| !is_near_blue_vase(pixel));
+    assert!(!spoils(&written("relit")));
+    let is_blue = |[x, y]: [u32; 2]| {
+        let [red, _, blue] = before.get_pixel(x, y).0.map(u32::from);
+        is_near_blue_vase([x, y]) && 5 * blue > 8 * red + 40
+    };
+    let of_blue_vase = before.enumerate_pixels().filter(|(x, y, _)| is_blue([*x, *y])).count();
+    for name in ["bent", "copied"] {
+        let bent = written(name);
+        assert!(differing(&before, &bent, 32).count() > OTHER_SAMPLES, "nothing moves in {name}.png");
+        let changed = differing(&before, &bent, 8).filter(|pixel| is_blue(*pixel)).count();
+        assert!(10 * changed <= of_blue_vase, "{changed} of {of_blue_vase} pixels of the vase change in {name}.png");
+    }
+    // The planted fault: the light itself is dragged in place of a copy.
+    beside.succeeds(&script.replace("linkedCopy", "wholeLight"));
+    assert!(spoils(&written("relit")));
+}
+
+/// Number of pixels in which a figure may differ from the page's, which is drawn with more samples: those on edges.
+const OTHER_SAMPLES: usize = 640 * 360 / 25;
+
+/// Pixels in which two pictures differ by more than `most` of 255.
+fn differing(a: &RgbImage, b: &RgbImage, most: u8) -> impl Iterator<Item = [u32; 2]> {
+    let differs = move |(a, b): (&u8, &u8)| a.abs_diff(*b) > most;
+    let pairs = a.enumerate_pixels().zip(b.pixels());
+    pairs.filter(move |((_, _, a), b)| a.0.iter().zip(&b.0).any(differs)).map(|((x, y, _), _)| [x, y])
+}
+
 /// The tour of the README, beside a server that is started as `make demo` does.
 #[test]
 fn the_tour_of_the_readme_runs() {

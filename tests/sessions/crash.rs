@@ -2,24 +2,28 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
+use std::process::Command as Program;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use bench::{Client, Incoming, ServerAddress};
 use light::parameters::RADIUS;
-use protocol::{ClientMessage, LogLine, LogReader, ServerMessage};
+use protocol::{
+    ClientMessage, Command, Drag, DragChoice, DragKind, DragRadii, ErrorCode, LogLine, LogReader, ServerMessage,
+};
 
 use crate::processes::output_of;
 use crate::program::program;
-use crate::sessions::support::Server;
+use crate::sessions::support::{Server, rejected};
 
 const CLIENTS: u64 = 4;
 const EDITS: u64 = 1_000;
 const KILLS: u64 = 5;
 /// Edits in flight per client.
 const UNDER_WAY: usize = 4;
+/// One in so many edits is the drag of a feature, which is solved for many times as long as others take.
+const DRAG_EVERY: u64 = 20;
 
 /// State shared by the clients: the answers that they got, and the address of the server.
 struct Shared {
@@ -27,7 +31,10 @@ struct Shared {
     /// Sequence number of each acknowledged operation.
     acknowledged: Mutex<BTreeMap<String, u64>>,
     next_edit: AtomicU64,
+    /// Light that most edits change, and the light whose pool is dragged.
     light: u64,
+    lamp: u64,
+    camera: protocol::Camera,
 }
 
 /// Rules: SOCK-4, REC-1, REC-4, LOG-1, LOG-2
@@ -37,12 +44,15 @@ fn acknowledged_edits_survive_kills_at_random_moments() {
     let seed = Instant::now().elapsed().subsec_nanos() ^ std::process::id();
     eprintln!("seed {seed}");
     let mut server = Server::start_process();
-    let light = server.connect("setup").light();
+    let mut setup = server.connect("setup");
+    let lamp = setup.add_lamp(60.0, 30.0);
     let shared = &Shared {
         address: Mutex::new(server.address.clone()),
         acknowledged: Mutex::default(),
         next_edit: AtomicU64::new(0),
-        light,
+        light: setup.light(),
+        lamp,
+        camera: setup.document.cameras().values().next().expect("the demo has a camera").into(),
     };
     let mut random = u64::from(seed) | 1;
     let server = std::thread::scope(|scope| {
@@ -65,14 +75,14 @@ fn acknowledged_edits_survive_kills_at_random_moments() {
     let acknowledged = shared.acknowledged.lock().expect("no panic").clone();
     assert_eq!(acknowledged.len() as u64, EDITS);
     let (seq, hash) = server.state();
-    assert_eq!(seq, EDITS + 1, "each edit once, after the scene");
+    assert_eq!(seq, EDITS + 2, "each edit once, after the scene and the lamp");
 
     // A last restart, from the disk alone.
     let (process, data) = server.into_process();
     process.kill().expect("killed");
     let log = data.path().join("main.jsonl");
     let command = |arguments: &[&str]| {
-        let mut command = Command::new(program());
+        let mut command = Program::new(program());
         command.args(arguments).arg("--data").arg(data.path());
         command
     };
@@ -121,7 +131,14 @@ fn serve_edits(client: &mut Client, shared: &Shared, number: u64, open: &mut BTr
         match client.receive(Duration::from_millis(200)) {
             Ok(Some(Incoming::Message(message))) => {
                 let ServerMessage::EditResult(result) = *message else { continue };
-                let seq = result.outcome.seq().unwrap_or_else(|| panic!("{result:?}"));
+                let Some(seq) = result.outcome.seq() else {
+                    // Somebody else dragged the lamp meanwhile, again and again.
+                    assert_eq!(rejected(&result.outcome).code, ErrorCode::KeepsChanging, "{result:?}");
+                    if send(client, shared, &result.op_id, open[&result.op_id]).is_err() {
+                        return false;
+                    }
+                    continue;
+                };
                 open.remove(&result.op_id);
                 let mut acknowledged = shared.acknowledged.lock().expect("no panic");
                 let before = acknowledged.insert(result.op_id, seq);
@@ -134,15 +151,35 @@ fn serve_edits(client: &mut Client, shared: &Shared, number: u64, open: &mut BTr
 }
 
 fn send(client: &mut Client, shared: &Shared, op_id: &str, edit: u64) -> Result<(), bench::BenchError> {
-    let radius = 1.5 + 0.0001 * edit as f64;
-    let command = protocol::Command::SetPoint {
-        light: shared.light,
-        point: 2,
-        parameter: RADIUS.to(radius).into(),
-        ignore_pins: false,
-    };
+    let command = if edit.is_multiple_of(DRAG_EVERY) { drag(shared, edit) } else { set_radius(shared, edit) };
     let base_seq = client.welcome.seq;
     client.send(&ClientMessage::Edit { op_id: op_id.to_owned(), base_seq, command })
+}
+
+fn set_radius(shared: &Shared, edit: u64) -> Command {
+    let radius = 1.5 + 0.0001 * edit as f64;
+    let parameter = RADIUS.to(radius).into();
+    Command::SetPoint { light: shared.light, point: 2, parameter, ignore_pins: false }
+}
+
+/// Moves the lamp's pool on the table to and fro, a pixel each time, so that the lamp stays near where it was.
+fn drag(shared: &Shared, edit: u64) -> Command {
+    let from = [300.5, 320.5];
+    let by = if edit.is_multiple_of(2 * DRAG_EVERY) { 1.0 } else { -1.0 };
+    Command::DragFeature(Box::new(Drag {
+        light: shared.lamp,
+        kind: DragKind::Hotspot,
+        points: None,
+        radii: DragRadii::Keep,
+        camera: shared.camera.clone(),
+        size: [640, 360],
+        from,
+        to: [from[0] + by, from[1]],
+        pins: None,
+        alternative: Some(DragChoice::Best),
+        alternatives: false,
+        source_outside: None,
+    }))
 }
 
 /// Tests that the log has every acknowledged operation at its acknowledged position, and that the last checkpoint has

@@ -9,7 +9,7 @@ use crate::picture_change::PictureSample;
 use crate::request::{
     Alternative, Drag, DragChoice, DragLimit, DragRefusal, DragResult, DragStatus, Feature, RadiusMode,
 };
-use crate::solve::{DragTask, refused, solved};
+use crate::solve::{DragEnd, DragTask, refused, solved};
 
 /// Difference of the change of what is lit by which a later alternative displaces an earlier one. Smaller differences are
 /// within the error of the measurement, and the choice would alternate along a cursor's way.
@@ -56,9 +56,20 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
         Some(DragChoice::Best) => {
             let measure = Measure::new(task);
             // Whatever lands is better than what is limited. So limited drags are searched for only if nothing lands.
-            let at_cursor = DragTask { ends_on_way: false, ..task };
+            let mut limits = Vec::new();
+            let at_cursor = best_of(|alternative| {
+                let new = solve_listed(DragTask { end: DragEnd::Cursor, ..task }, &measure, alternative)?;
+                limits.extend(limit_at_cursor(&new).map(|limit| (alternative, limit)));
+                Some(new)
+            });
             let has_landed = |best: &Solved| best.result.outcome.status == DragStatus::Landed;
-            let best = best_of(at_cursor, &measure).filter(has_landed).or_else(|| best_of(task, &measure));
+            let best = at_cursor.filter(has_landed).or_else(|| {
+                best_of(|alternative| {
+                    let known = limits.iter().find(|(tried, _)| *tried == alternative);
+                    let end = known.map_or(DragEnd::CursorOrWay, |(_, limit)| DragEnd::Way(*limit));
+                    solve_listed(DragTask { end, ..task }, &measure, alternative)
+                })
+            });
             // The light as a whole can always be tried.
             best.map_or_else(|| refused(task, DragRefusal::NotBendy), |best| best.result)
         }
@@ -67,7 +78,7 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
 
 /// Solves a drag by one alternative after the other, until one lands that changes little of what is lit, and returns the
 /// best.
-fn best_of(task: DragTask, measure: &Measure) -> Option<Solved> {
+fn best_of(mut solve: impl FnMut(Alternative) -> Option<Solved>) -> Option<Solved> {
     let mut best: Option<Solved> = None;
     let own = Alternative::ALL.into_iter().filter(|alternative| *alternative != Alternative::LinkedCopy);
     for alternative in own {
@@ -76,12 +87,20 @@ fn best_of(task: DragTask, measure: &Measure) -> Option<Solved> {
         }
         // Radii that need not shrink give the same light as those that are kept.
         let is_repeated = alternative == Alternative::Narrower && !best.as_ref().is_some_and(is_limited_by_fold);
-        let Some(new) = (if is_repeated { None } else { solve_listed(task, measure, alternative) }) else { continue };
+        let Some(new) = (if is_repeated { None } else { solve(alternative) }) else { continue };
         if best.as_ref().is_none_or(|best| new.is_clearly_better(best)) {
             best = Some(new);
         }
     }
     best
+}
+
+/// Returns the limit for which a drag was refused, if any.
+fn limit_at_cursor(solved: &Solved) -> Option<DragLimit> {
+    match solved.result.outcome.status {
+        DragStatus::Refused(DragRefusal::Limited(limit)) => Some(limit),
+        _ => None,
+    }
 }
 
 /// Solves a drag by each alternative that the light and the feature have. Returns the best first, then those that land,

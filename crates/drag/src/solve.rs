@@ -25,14 +25,24 @@ pub(crate) struct DragTask<'a> {
     /// Pins to keep.
     pub pins: &'a [NumberedPin],
     pub work: &'a WorkBudget<'a>,
-    /// True if a drag that does not land ends on its way; false if it is refused.
-    pub ends_on_way: bool,
+    pub end: DragEnd,
+}
+
+/// Places at which a drag may end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum DragEnd {
+    /// At the cursor, or as far along the way to it as the feature lands.
+    CursorOrWay,
+    /// At the cursor.
+    Cursor,
+    /// On the way. At the cursor the feature does not land, for this limit.
+    Way(DragLimit),
 }
 
 /// Drags what `drag.points` says. If it `keeps_picture`, the rest of the picture changes as little as it can, else the
 /// light. The result has no changed share.
 pub(crate) fn solved(task: DragTask, keeps_picture: bool) -> DragResult {
-    let DragTask { bvh, light, drag, pins, work, ends_on_way } = task;
+    let DragTask { bvh, light, drag, pins, work, end } = task;
     let (picked, mut result) = pick(task);
     let occlusion = Occlusion::new(bvh, light, work);
     let distance = drag.from.distance(drag.to);
@@ -46,7 +56,7 @@ pub(crate) fn solved(task: DragTask, keeps_picture: bool) -> DragResult {
             if to_any_end.has_no_effect() {
                 result.outcome.status = DragStatus::Refused(DragRefusal::NoWeight);
             } else {
-                write_farthest(&to_any_end, drag, ends_on_way, &mut result);
+                write_farthest(&to_any_end, drag, end, &mut result);
             }
         }
     }
@@ -88,19 +98,20 @@ pub(crate) fn pick(task: DragTask) -> ([Option<SeenPoint>; 2], DragResult) {
     (picked, DragResult { light: light.light().clone(), copy: None, outcome })
 }
 
-/// Drags the feature to the cursor, or as far as it lands if it `ends_on_way`, and writes the result.
-fn write_farthest(to_any_end: &DragToAnyEnd, drag: &Drag, ends_on_way: bool, result: &mut DragResult) {
+/// Drags the feature to where it may `end`, as near to the cursor as it lands, and writes the result.
+fn write_farthest(to_any_end: &DragToAnyEnd, drag: &Drag, end: DragEnd, result: &mut DragResult) {
     let Drag { from, to, .. } = *drag;
     let distance = from.distance(to);
     let at = |share: f64| from.lerp(to, share);
     // The limit is that at the cursor, whatever ends the way before.
-    let mut limit = match to_any_end.land(at(1.0)) {
+    let at_cursor = if let DragEnd::Way(limit) = end { Err(limit) } else { to_any_end.land(at(1.0)) };
+    let mut limit = match at_cursor {
         Ok(landing) => return write(to_any_end, &landing, DragStatus::Landed, result),
         Err(limit) => limit,
     };
     // The farthest of a few places at which the feature lands, then the last pixel before it no longer does.
     let share_of = |part: u32| f64::from(part) / f64::from(PARTS);
-    let parts = (1..PARTS).rev().take_while(|part| ends_on_way && share_of(part + 1) > LEAST_SHARE);
+    let parts = (1..PARTS).rev().take_while(|part| end != DragEnd::Cursor && share_of(part + 1) > LEAST_SHARE);
     let mut reached = parts.map(share_of).find(|share| to_any_end.can_land(at(*share)));
     if let Some(share) = &mut reached {
         let mut beyond = *share + 1.0 / f64::from(PARTS);

@@ -3,6 +3,8 @@
 use std::fs::{self, DirBuilder, File, Permissions, TryLockError};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
 use std::path::Path;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use store::{DATABASE_FILE, FILES, check_folder};
 
@@ -10,6 +12,11 @@ use crate::ServerError;
 
 /// File that locks the folder against a second server.
 const LOCK: &str = "lock";
+
+/// Longest wait for the lock, and the time between two tries. A server that is about to end gives the lock up soon, and so
+/// does a process between its fork and its exec.
+const MAX_WAIT: Duration = Duration::from_millis(500);
+const RETRY_AFTER: Duration = Duration::from_millis(20);
 
 /// Makes the folder if it is missing. If it is a data folder, permissions of others are removed, which an earlier
 /// version or a copy may have left. The permissions of any other folder stay, and only the server's files are
@@ -46,15 +53,19 @@ fn restrict_to_owner(path: &Path) {
     }
 }
 
-/// Locks the folder while the returned file is open. Gives an error if another server has the lock.
+/// Locks the folder while the returned file is open. Gives an error if another server keeps the lock for half a second.
 pub fn lock(data: &Path) -> Result<File, ServerError> {
     let path = data.join(LOCK);
     let unusable = |reason| ServerError::Data { path: path.clone(), reason };
     let file = File::options().create(true).truncate(false).write(true).mode(0o600).open(&path).map_err(unusable)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(ServerError::Locked(data.into())),
-        Err(TryLockError::Error(reason)) => Err(unusable(reason)),
+    let start = Instant::now();
+    loop {
+        match file.try_lock() {
+            Ok(()) => return Ok(file),
+            Err(TryLockError::WouldBlock) if start.elapsed() < MAX_WAIT => thread::sleep(RETRY_AFTER),
+            Err(TryLockError::WouldBlock) => return Err(ServerError::Locked(data.into())),
+            Err(TryLockError::Error(reason)) => return Err(unusable(reason)),
+        }
     }
 }
 

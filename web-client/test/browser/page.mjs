@@ -1,6 +1,6 @@
 // Shared parts of the browser tests: a browser, pages of a session, and queries of them.
 
-import { mkdirSync } from "node:fs";
+import { existsSync, mkdirSync } from "node:fs";
 import { join } from "node:path";
 
 import { chromium } from "playwright-core";
@@ -17,7 +17,8 @@ const SOON_MS = 30_000;
 const WINDOW = { width: 1120, height: 600 };
 
 const CHROMIUM = {
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  executablePath:
+    process.env.CHROMIUM ?? ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium"].find(existsSync),
   args: [
     "--no-sandbox",
     "--disable-gpu",

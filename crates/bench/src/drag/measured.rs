@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use drag::{Drag, DragChoice, DragResult, DragStatus, drag, drag_least_change};
 use light::{CheckedLight, Light};
+use raycast::SeenPoint;
 use serde::Serialize;
 
 use super::off::{EquationError, distance_px};
@@ -23,6 +24,11 @@ const WAY_EVERY: usize = 5;
 
 /// Way of a control point in a step of a pixel that counts as a jump, in lengths of the light.
 const JUMP: f64 = 0.05;
+
+/// Distance in depths, and cosine between normals, of points of neighbouring pixels on one surface: a step over an edge is
+/// longer, or turns by more than half a degree.
+const MAX_STEP_SHARE: f64 = 0.02;
+const MIN_NORMALS_COS: f64 = 0.99996;
 
 /// Results of the benchmark of drags.
 #[derive(Clone, Debug, Serialize)]
@@ -105,7 +111,7 @@ pub struct KeptShares {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Jumps {
-    /// Steps between two cursors at which the feature lands.
+    /// Steps on one surface between two cursors at which the feature lands.
     pub steps: usize,
     /// Steps that move a control point by more than a twentieth of the light's length.
     pub jumps: usize,
@@ -203,7 +209,11 @@ fn measure_trial(grid: &PictureGrid, stage: &TrialScene, trial: &Trial, has_way:
         least_change: error(Some(least_change.light), least_change_ms),
         paper: error(moved, moved_ms),
         iterations: result.outcome.iterations,
-        steps: if has_way { [steps(trial, by_picture), steps(trial, by_least_change)] } else { Default::default() },
+        steps: if has_way {
+            [steps(stage, trial, by_picture), steps(stage, trial, by_least_change)]
+        } else {
+            Default::default()
+        },
     }
 }
 
@@ -215,17 +225,27 @@ fn timed<T>(solve: impl FnOnce() -> T) -> (T, f64) {
 }
 
 /// Drags to the cursor along the last pixels of its straight way, a pixel at a time. Returns the largest way of a control point in each step, in lengths
-/// of the light.
-fn steps(trial: &Trial, solve: impl Fn(&Drag) -> DragResult) -> Vec<f64> {
+/// of the light. A step at which the surface under the cursor is another, or turns, is left out: there the light has to jump.
+fn steps(stage: &TrialScene, trial: &Trial, solve: impl Fn(&Drag) -> DragResult) -> Vec<f64> {
     let Drag { from, to, .. } = trial.drag;
     let ahead = (to - from).normalize_or_zero();
     let landed = |number: usize| {
-        let result = solve(&Drag { to: to + ahead * (number as f64 - WAY_PX as f64), ..trial.drag.clone() });
-        (result.outcome.status == DragStatus::Landed).then_some(result.light)
+        let to = to + ahead * (number as f64 - WAY_PX as f64);
+        let seen = stage.seen(to)?;
+        let result = solve(&Drag { to, ..trial.drag.clone() });
+        (result.outcome.status == DragStatus::Landed).then_some((seen, result.light))
     };
-    let lights: Vec<Option<Light>> = (0..=WAY_PX).map(landed).collect();
-    let way = |pair: &[Option<Light>]| Some(largest_way(pair[0].as_ref()?, pair[1].as_ref()?));
-    lights.windows(2).filter_map(way).collect()
+    let ends: Vec<Option<(SeenPoint, Light)>> = (0..=WAY_PX).map(landed).collect();
+    let way = |pair: &[Option<(SeenPoint, Light)>]| {
+        let [(a, before), (b, after)] = [pair[0].as_ref()?, pair[1].as_ref()?];
+        is_one_surface(a, b).then(|| largest_way(before, after))
+    };
+    ends.windows(2).filter_map(way).collect()
+}
+
+/// True if two points of neighbouring pixels lie on a surface that goes on between them without an edge.
+fn is_one_surface(a: &SeenPoint, b: &SeenPoint) -> bool {
+    a.position.distance(b.position) < MAX_STEP_SHARE * b.depth && a.normal.dot(b.normal) > MIN_NORMALS_COS
 }
 
 /// Returns the largest distance between the control points of two lights, as a share of the length of their polyline.
