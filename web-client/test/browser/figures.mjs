@@ -1,7 +1,7 @@
 // Figures of the paper, by the mouse alone: the shadow is bent and the vase stays lit as it was (Fig 5, row 2), and one vase
 // is lit from elsewhere and the other is not (Fig 5, row 1, and Fig 8).
 
-import { expect, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
+import { expect, reached, runBrowserTest, seqOf, settled, SHARP } from "./page.mjs";
 
 /** Pixels of a picture of 640 by 360 on the blue vase and on the orange one, all of them lit. */
 const ON_BLUE = [
@@ -25,7 +25,7 @@ const STAYS_LIT = [
 const furthest = (a, b) => Math.max(...a.flatMap((color, k) => color.map((c, i) => Math.abs(c - b[k][i]))));
 
 await runBrowserTest(async ({ open, picture, http }) => {
-  const page = await open("Ada", { width: 1440, height: 760 });
+  const page = await open("Ada", { width: 1440, height: 760 }, SHARP);
   await settled(page);
   // The light's own lines would hide what they do to the picture.
   await page.keyboard.press("h");

@@ -3,7 +3,7 @@
 // Pictures are compared as a person would see them, shrunk to a grid; what counts as the same is half of what a twentieth
 // more or less of the picture would make, measured on the same picture.
 
-import { expect, runBrowserTest, settled } from "./page.mjs";
+import { expect, runBrowserTest, settled, SHARP } from "./page.mjs";
 
 const GRID = { width: 64, height: 36 };
 const OPENINGS = 12;
@@ -23,7 +23,7 @@ async function everyOpeningShowsTheShot(open, http) {
   let last;
   for (let k = 0; k < OPENINGS; k += 1) {
     const prepare = [undefined, lateStage, lateSocket][k % 3];
-    const page = await open(`Ada ${k}`, DESKTOP, { prepare, shows: firstPicture });
+    const page = await open(`Ada ${k}`, DESKTOP, { ...SHARP, prepare, shows: firstPicture });
     whole += (await isSame(page, "middle", wide)) ? 1 : 0;
     await last?.context().close();
     last = page;
@@ -67,7 +67,7 @@ async function firstPicture(page) {
 }
 
 async function theGateIsWhatRenderWrites(open, picture, http) {
-  const page = await open("Ada", { width: 1180, height: 520 });
+  const page = await open("Ada", { width: 1180, height: 520 }, SHARP);
   const shot = await still(http, "size=512x288&samples=4");
   // Resizing fits the same shot again.
   for (const stage of [
@@ -113,7 +113,7 @@ async function theGateIsWhatRenderWrites(open, picture, http) {
   await picture(page, "2-scope");
 
   // Another's view, on a stage of another shape.
-  const bob = await open("Bob", { width: 1180, height: 420 });
+  const bob = await open("Bob", { width: 1180, height: 420 }, SHARP);
   await bob.getByRole("button", { name: "Follow Ada's view" }).click();
   await settled(bob);
   await theGateHolds(bob, await still(http, "camera=scope&samples=4"), "another's view");

@@ -16,6 +16,12 @@ const SOON_MS = 30_000;
 /** Wide enough for the layout of large screens, and small, so that pictures are drawn soon. */
 const WINDOW = { width: 1120, height: 600 };
 
+/** Pixels of the server's picture per pixel of the screen, along a side: most of a test's time goes into drawing them. */
+const PIXEL_SHARE = 0.5;
+
+/** Options of `open` for what depends on every pixel. */
+export const SHARP = { pixelShare: 1 };
+
 const CHROMIUM = {
   executablePath:
     process.env.CHROMIUM ?? ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium"].find(existsSync),
@@ -120,16 +126,20 @@ async function sendTo(address, path, body) {
 
 /**
  * A page of the session for a person of its own, called `name`, once it shows a settled picture. `context` is told to the
- * browser (touch, pixels), `prepare` sees the page before it loads anything, `shows` waits for what is wanted of it, and `hints` says whether it is the browser's first visit.
+ * browser (touch, pixels), `prepare` sees the page before it loads anything, `shows` waits for what is wanted of it, `hints` says whether it is the browser's first visit, and `pixelShare` is for tests of sharp pictures.
  */
 async function openPage(
   browser,
   address,
   name,
   viewport,
-  { context: wanted, prepare, shows = settled, hints = false },
+  { context: wanted, prepare, shows = settled, hints = false, pixelShare = PIXEL_SHARE },
 ) {
   const context = await browser.newContext({ viewport, ...wanted });
+  await context.addInitScript((share) => {
+    const ratio = window.devicePixelRatio * share;
+    Object.defineProperty(window, "devicePixelRatio", { get: () => ratio });
+  }, pixelShare);
   await context.addInitScript(
     ([actor, hints]) => {
       // They lie over what tests press.

@@ -1,6 +1,6 @@
 // The view: what it turns about and goes to, what of it a reload keeps, fields that reckon, and a list of keys that goes as it came.
 
-import { expect, field, pixels, runBrowserTest, seqOf, settled, unfold } from "./page.mjs";
+import { expect, field, pixels, runBrowserTest, seqOf, settled, SHARP, unfold } from "./page.mjs";
 
 /** Visible points of the demo: on the table, and on a vase. */
 const PLACES = [
@@ -12,7 +12,7 @@ const PIN = { light: 1, kind: "lit", at: [0, 0, 0], hard: true };
 const NEAR = 1e-6;
 
 await runBrowserTest(async ({ open, picture, http }) => {
-  const page = await open("Ada");
+  const page = await open("Ada", undefined, SHARP);
   const canvas = await page.locator("canvas").boundingBox();
   // Wheels count whole pixels of the page.
   for (const place of PLACES) {
@@ -36,7 +36,7 @@ await runBrowserTest(async ({ open, picture, http }) => {
 /** Whatever is done, the picture is where it was. */
 async function thePictureStays(open, picture, http, size) {
   const name = `${size.width}x${size.height}`;
-  const page = await open(`Cleo ${name}`, size);
+  const page = await open(`Cleo ${name}`, size, SHARP);
   const rectangle = () =>
     page
       .locator("canvas")
