@@ -209,6 +209,7 @@ fn links_and_paths_lead_to_files() {
 #[ignore = "needs jq: make test-packages"]
 fn one_script_lights_a_shot() {
     let script = commands(section(include_str!("../docs/http.md"), "A shot in one script"));
+    let script = script.replace("size=1280x720", "size=320x180");
     let beside = Beside::start();
     assert_eq!(beside.succeeds(&script), "");
     let brightness = |ev: &str| {
