@@ -19,7 +19,7 @@ use crate::sessions::support::{Mirror, Server, begin_request, wait_until};
 fn a_drag_goes_on_beside_eight_stills() {
     let options = stills::StillsBenchOptions {
         view: [320, 180],
-        drag: Duration::from_secs(8),
+        drag: Duration::from_secs(5),
         stills: 8,
         still: [2048, 2048],
         samples: 1,

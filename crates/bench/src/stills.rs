@@ -72,7 +72,7 @@ pub fn run(program: &Path, options: &StillsBenchOptions) -> Result<StillsBenchRe
     let before = drag(&mut client, "before", options.drag)?;
     let requested = Instant::now();
     let stills = ask(&server, options);
-    wait_for_turns(&server)?;
+    wait_for_turns(&server, &stills)?;
     let beside = drag(&mut client, "beside", options.drag)?;
     let least_turns = server.metric("bendylights_least_still_turns", "")?;
     let finished_early = stills.iter().filter(|still| still.is_finished()).count();
@@ -121,10 +121,16 @@ fn ask(server: &ServerProcess, options: &StillsBenchOptions) -> Vec<JoinHandle<R
 }
 
 /// Waits until each still has had a slice of the renderer's time.
-fn wait_for_turns(server: &ServerProcess) -> Result<(), BenchError> {
+fn wait_for_turns(server: &ServerProcess, stills: &[JoinHandle<Result<(), BenchError>>]) -> Result<(), BenchError> {
     let within = Duration::from_mins(2);
     let until = Instant::now() + within;
-    while server.metric("bendylights_least_still_turns", "")? < 1.0 {
+    // The least is over the stills in the queue: those that are still to come count too.
+    let have_come = || {
+        let queued = server.metric("bendylights_render_queue", "urgency=\"still\"")?;
+        let finished = stills.iter().filter(|still| still.is_finished()).count();
+        Ok::<_, BenchError>(queued + finished as f64 >= stills.len() as f64)
+    };
+    while !(have_come()? && server.metric("bendylights_least_still_turns", "")? >= 1.0) {
         if Instant::now() > until {
             return Err(BenchError::Silent { what: "a turn of each still", within });
         }
