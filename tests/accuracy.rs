@@ -13,7 +13,7 @@ use light::{Light, ParameterOwner};
 use render::{Backend, Renderer, ShadowSettings};
 use scene::View;
 
-use crate::pictures::{alone, compared_size, reduced_culling, renderer_of, save_panels, shared_asset};
+use crate::pictures::{alone, compared_size, expected, reduced_culling, renderer_of, save_panels, shared_asset};
 
 /// File of a scene, and control points and radii in world units of a light of three segments with strong bends.
 struct AccuracyScene {
@@ -85,10 +85,6 @@ static OF_SHARED_ASSETS: [LazyLock<ExpectedPicture>; 4] = [
     LazyLock::new(|| expected(subject(&SETTINGS[2]))),
     LazyLock::new(|| expected(subject(&SETTINGS[3]))),
 ];
-
-fn expected(subject: ComparisonSubject) -> ExpectedPicture<'static> {
-    ExpectedPicture::new(Box::leak(Box::new(subject)), || {}).expect("the light is valid")
-}
 
 fn renderers() -> [(Backend, Renderer); 2] {
     [Backend::Wgpu, Backend::Native].map(|backend| (backend, renderer_of(backend)))

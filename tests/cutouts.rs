@@ -19,7 +19,7 @@ use render::{Renderer, ShadowSettings};
 use scene::{Aov, Camera, Image, Material, Primitive, Sampler, Scene, TextureRef, View, ViewRay};
 
 use crate::boxes::{add_mesh, camera};
-use crate::pictures::{alone, compared_size, save_panels, shared_asset};
+use crate::pictures::{alone, compared_size, expected, save_panels, shared_asset};
 
 fn renderer(scene: &Scene) -> Renderer {
     let mut renderer = crate::pictures::renderer();
@@ -377,10 +377,6 @@ fn under_key(camera: usize) -> ExpectedPicture<'static> {
     expected(subject(&format!("bent-{name}"), arbor(), key(), camera))
 }
 
-fn expected(subject: ComparisonSubject) -> ExpectedPicture<'static> {
-    ExpectedPicture::new(Box::leak(Box::new(subject)), || {}).expect("the light is valid")
-}
-
 /// Compares the picture of `scene` under `drawn` with the reference.
 fn compared(expected: &ExpectedPicture, scene: &Scene, drawn: &Light) -> Comparison {
     let subject = expected.subject();
@@ -395,15 +391,11 @@ fn compared(expected: &ExpectedPicture, scene: &Scene, drawn: &Light) -> Compari
 #[test]
 fn holes_throw_their_shadows() {
     let (spot, bent_spot) = spot();
-    for (light, drawn) in [("bent", key()), ("spot", spot)] {
-        for (index, (name, camera, radiance_error)) in cameras().into_iter().enumerate() {
-            let of_spot;
-            let expected = if light == "bent" {
-                &*UNDER_KEY[index]
-            } else {
-                of_spot = expected(subject(&format!("spot-{name}"), arbor(), bent_spot.clone(), camera));
-                &of_spot
-            };
+    let under_spot = cameras()
+        .map(|(name, camera, _)| expected(subject(&format!("spot-{name}"), arbor(), bent_spot.clone(), camera)));
+    let under_key = UNDER_KEY.each_ref().map(|picture| &**picture);
+    for (pictures, drawn) in [(under_key, key()), (under_spot.each_ref(), spot)] {
+        for (expected, (_, _, radiance_error)) in pictures.into_iter().zip(cameras()) {
             let subject = expected.subject();
             let found = compared(expected, &subject.scene, &drawn);
             let text = format!("{}: {}", subject.name, serde_json::to_string(&found).expect("plain data"));

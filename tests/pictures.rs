@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use bench::compare::{Comparison, ExpectedPicture, RenderedSubject};
+use bench::compare::{Comparison, ComparisonSubject, ExpectedPicture, RenderedSubject};
 use glam::DVec3;
 use light::{Light, LightInstance};
 use render::{Backend, Culling, Gpu, MemoryBudget, Picture, Renderer};
@@ -39,6 +39,11 @@ pub fn instances(lights: &[Light]) -> Vec<LightInstance> {
 /// The light alone, checked for a renderer.
 pub fn alone(light: &Light) -> Vec<LightInstance> {
     instances(std::slice::from_ref(light))
+}
+
+/// The reference's picture of a subject, kept for tests that share it: the reference takes longest.
+pub fn expected(subject: ComparisonSubject) -> ExpectedPicture<'static> {
+    ExpectedPicture::new(Box::leak(Box::new(subject)), || {}).expect("the light is valid")
 }
 
 /// Draws a picture with a renderer that several tests share.
