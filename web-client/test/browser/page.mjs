@@ -126,7 +126,8 @@ async function sendTo(address, path, body) {
 
 /**
  * A page of the session for a person of its own, called `name`, once it shows a settled picture. `context` is told to the
- * browser (touch, pixels), `prepare` sees the page before it loads anything, `shows` waits for what is wanted of it, `hints` says whether it is the browser's first visit, and `pixelShare` is for tests of sharp pictures.
+ * browser (touch, pixels), `prepare` sees the page before it loads anything, `shows` waits for what is wanted of it, `hints` says whether it is the browser's first visit,
+ * and `pixelShare` is `PIXEL_SHARE` or, by `SHARP`, 1.
  */
 async function openPage(
   browser,
