@@ -3,13 +3,12 @@
 use light::CheckedLight;
 
 use crate::linked_copy::split_light;
-use crate::occlusion::{Occlusion, seen_at};
+use crate::occlusion::Occlusion;
 use crate::past_caster::first_point_past_caster;
 use crate::picture_change::PictureSample;
-use crate::request::{
-    Alternative, Drag, DragChoice, DragLimit, DragRefusal, DragResult, DragStatus, Feature, RadiusMode,
-};
-use crate::solve::{DragEnd, DragTask, refused, solved};
+use crate::request::{Alternative, Drag, DragChoice, DragLimit, DragRefusal, DragResult, DragStatus, RadiusMode};
+use crate::solve::{DragEnd, StartedTask};
+use crate::start::DragTask;
 
 /// Difference of the change of what is lit by which a later alternative displaces an earlier one. Smaller differences are
 /// within the error of the measurement, and the choice would alternate along a cursor's way.
@@ -30,15 +29,16 @@ struct Solved {
     change_of_lit: f64,
 }
 
-/// Picture by which the alternatives of a drag are measured.
-struct Measure<'a> {
+/// Drag by alternatives, with the picture by which they are measured.
+struct Listed<'a> {
+    task: DragTask<'a>,
+    started: StartedTask<'a>,
     sample: PictureSample<'a>,
-    /// Node whose shadow is dragged.
-    moved_caster: Option<usize>,
 }
 
 /// Drags by the alternative that the drag chooses, or by what it names itself.
 pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
+    let started = StartedTask::new(task, true);
     let measured_alone = |mut result: DragResult| {
         if let Some(lights) = lights_after(&result) {
             let sample = PictureSample::new(task.bvh, &task.drag.view, task.light, task.work);
@@ -47,18 +47,19 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
         result
     };
     match task.drag.choice {
-        None => measured_alone(solved(task, true)),
+        None => measured_alone(started.solved(task.drag, DragEnd::CursorOrWay)),
         Some(DragChoice::Only(alternative)) => {
-            let mut result = solve_alternative(task, alternative).unwrap_or_else(|refusal| refused(task, refusal));
+            let result = solve_alternative(task, &started, alternative, DragEnd::CursorOrWay);
+            let mut result = result.unwrap_or_else(|refusal| started.refused(refusal));
             result.outcome.alternative = Some(alternative);
             measured_alone(result)
         }
         Some(DragChoice::Best) => {
-            let measure = Measure::new(task);
+            let listed = Listed::new(task, started);
             // Whatever lands is better than what is limited. So limited drags are searched for only if nothing lands.
             let mut limits = Vec::new();
             let at_cursor = best_of(|alternative| {
-                let new = solve_listed(DragTask { end: DragEnd::Cursor, ..task }, &measure, alternative)?;
+                let new = listed.solved(alternative, DragEnd::Cursor)?;
                 limits.extend(limit_at_cursor(&new).map(|limit| (alternative, limit)));
                 Some(new)
             });
@@ -66,12 +67,11 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
             let best = at_cursor.filter(has_landed).or_else(|| {
                 best_of(|alternative| {
                     let known = limits.iter().find(|(tried, _)| *tried == alternative);
-                    let end = known.map_or(DragEnd::CursorOrWay, |(_, limit)| DragEnd::Way(*limit));
-                    solve_listed(DragTask { end, ..task }, &measure, alternative)
+                    listed.solved(alternative, known.map_or(DragEnd::CursorOrWay, |(_, limit)| DragEnd::Way(*limit)))
                 })
             });
             // The light as a whole can always be tried.
-            best.map_or_else(|| refused(task, DragRefusal::NotBendy), |best| best.result)
+            best.map_or_else(|| listed.started.refused(DragRefusal::NotBendy), |best| best.result)
         }
     }
 }
@@ -106,27 +106,27 @@ fn limit_at_cursor(solved: &Solved) -> Option<DragLimit> {
 /// Solves a drag by each alternative that the light and the feature have. Returns the best first, then those that land,
 /// are limited and are refused, each by what they change. Of those with the same picture, the first remains.
 pub(crate) fn drag_all(task: DragTask) -> Vec<DragResult> {
-    let measure = Measure::new(task);
+    let listed = Listed::new(task, StartedTask::new(task, true));
     let mut all: Vec<Solved> = Vec::new();
     for alternative in Alternative::ALL {
         // Radii that need not shrink give the same light as those that are kept.
         if alternative != Alternative::Narrower || all.first().is_some_and(is_limited_by_fold) {
-            all.extend(solve_listed(task, &measure, alternative));
+            all.extend(listed.solved(alternative, DragEnd::CursorOrWay));
         }
     }
     let own = (0..all.len()).filter(|index| all[*index].result.outcome.alternative != Some(Alternative::LinkedCopy));
     let best = own.reduce(|best, index| if all[index].is_clearly_better(&all[best]) { index } else { best });
     let first = best.map(|best| all.remove(best));
     all.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
-    let mut listed: Vec<Solved> = Vec::new();
+    let mut distinct: Vec<Solved> = Vec::new();
     for solved in first.into_iter().chain(all) {
         let is_solved = |solved: &Solved| !solved.after.is_empty();
-        let is_twin = |other: &Solved| is_solved(other) && measure.sample.are_alike(&solved.after, &other.after);
-        if !(is_solved(&solved) && listed.iter().any(is_twin)) {
-            listed.push(solved);
+        let is_twin = |other: &Solved| is_solved(other) && listed.sample.are_alike(&solved.after, &other.after);
+        if !(is_solved(&solved) && distinct.iter().any(is_twin)) {
+            distinct.push(solved);
         }
     }
-    listed.into_iter().map(|solved| solved.result).collect()
+    distinct.into_iter().map(|solved| solved.result).collect()
 }
 
 impl Solved {
@@ -161,68 +161,67 @@ impl Solved {
     }
 }
 
-impl<'a> Measure<'a> {
-    fn new(task: DragTask<'a>) -> Self {
-        let DragTask { bvh, light, drag, work, .. } = task;
-        let from = seen_at(bvh, &drag.view, drag.from, work).filter(|_| drag.feature == Feature::Shadow);
-        let moved_caster = from.and_then(|from| Occlusion::new(bvh, light, work).caster_of(light, &from));
-        let mut sample = PictureSample::new(bvh, &drag.view, light, work);
-        sample.add_lit_pixels(&drag.view, light);
-        Self { sample, moved_caster }
+impl<'a> Listed<'a> {
+    fn new(task: DragTask<'a>, started: StartedTask<'a>) -> Self {
+        let mut sample = PictureSample::new(task.bvh, &task.drag.view, task.light, task.work);
+        sample.add_lit_pixels(&task.drag.view, task.light);
+        Self { task, started, sample }
     }
 
-    /// Measures the picture after a drag.
-    fn measured(&self, mut result: DragResult) -> Solved {
+    /// Solves the drag by an alternative. `None` if the light or the feature does not have it.
+    fn solved(&self, alternative: Alternative, end: DragEnd) -> Option<Solved> {
+        let mut result = match solve_alternative(self.task, &self.started, alternative, end) {
+            Ok(result) => result,
+            Err(refusal @ DragRefusal::TooLittleRoom) => self.started.refused(refusal),
+            Err(_) => return None,
+        };
+        result.outcome.alternative = Some(alternative);
         let Some(lights) = lights_after(&result) else {
-            return Solved { result, after: Vec::new(), change_of_lit: 1.0 };
+            return Some(Solved { result, after: Vec::new(), change_of_lit: 1.0 });
         };
         let after = self.sample.irradiances(&lights);
         result.outcome.changed_share = self.sample.changed_share(&after);
-        let change_of_lit = self.sample.change_of_lit(&lights[0], &after, self.moved_caster);
-        Solved { result, after, change_of_lit }
+        // Node whose shadow is dragged.
+        let moved_caster = self.started.start.as_ref().ok().and_then(|start| start.caster).map(|caster| caster.node);
+        let change_of_lit = self.sample.change_of_lit(&lights[0], &after, moved_caster);
+        Some(Solved { result, after, change_of_lit })
     }
 }
 
-/// Solves a drag by an alternative. `None` if the light or the feature does not have it.
-fn solve_listed(task: DragTask, measure: &Measure, alternative: Alternative) -> Option<Solved> {
-    let mut result = match solve_alternative(task, alternative) {
-        Ok(result) => result,
-        Err(refusal @ DragRefusal::TooLittleRoom) => refused(task, refusal),
-        Err(_) => return None,
-    };
-    result.outcome.alternative = Some(alternative);
-    Some(measure.measured(result))
-}
-
-/// Solves a drag by an alternative, or says why the light or the feature does not have it.
-fn solve_alternative(task: DragTask, alternative: Alternative) -> Result<DragResult, DragRefusal> {
-    let DragTask { bvh, light, drag, pins, work, .. } = task;
+/// Solves a drag by an alternative, or says why the light or the feature does not have it. `started` is the task with its
+/// start.
+fn solve_alternative(
+    task: DragTask,
+    started: &StartedTask,
+    alternative: Alternative,
+    end: DragEnd,
+) -> Result<DragResult, DragRefusal> {
+    let DragTask { bvh, light, drag, pins, work } = task;
     let whole = Drag { points: None, ..drag.clone() };
     let movable = || drag.points.clone().unwrap_or_else(|| (1..light.light().points().len()).collect());
     let by_points = |points: Vec<usize>, radii| Drag { points: Some(points), radii, ..drag.clone() };
-    let solve = |drag: &Drag| solved(DragTask { drag, ..task }, true);
-    let tube = || light.tube().ok_or(DragRefusal::NotBendy);
+    let is_bent = light.tube().ok_or(DragRefusal::NotBendy);
     match alternative {
-        Alternative::WholeLight => Ok(solve(&whole)),
+        Alternative::WholeLight => Ok(started.solved(&whole, end)),
         Alternative::ControlPoints => {
             // Radii shrink by themselves in the narrower alternative only.
             let radii = if drag.radii == RadiusMode::Solve { RadiusMode::Solve } else { RadiusMode::Keep };
-            tube().map(|_| solve(&by_points(movable(), radii)))
+            is_bent.map(|_| started.solved(&by_points(movable(), radii), end))
         }
-        Alternative::Narrower => tube().map(|_| solve(&by_points(movable(), RadiusMode::Follow))),
+        Alternative::Narrower => is_bent.map(|_| started.solved(&by_points(movable(), RadiusMode::Follow), end)),
         Alternative::PastCaster => {
-            let first = first_point_past_caster(task, tube()?)?;
+            let start = started.start.as_ref().map_err(|refusal| *refusal)?;
+            let first = first_point_past_caster(start, drag)?;
             let past = movable().into_iter().filter(|point| *point >= first).collect();
-            Ok(solve(&by_points(past, RadiusMode::Keep)))
+            Ok(started.solved(&by_points(past, RadiusMode::Keep), end))
         }
         Alternative::LinkedCopy => {
             let occlusion = Occlusion::new(bvh, light, work);
             let split = split_light(&occlusion, light, drag, pins).ok_or(DragRefusal::NoShadow)?;
-            let task = DragTask { light: &split.dragged, pins: &split.pins, ..task };
-            let solve = |drag: &Drag| solved(DragTask { drag, ..task }, true);
-            let bent = light.tube().map(|_| solve(&by_points(movable(), RadiusMode::Keep)));
+            let started = StartedTask::new(DragTask { light: &split.dragged, pins: &split.pins, ..task }, true);
+            let bent = light.tube().map(|_| started.solved(&by_points(movable(), RadiusMode::Keep), end));
             let landed = bent.filter(|result| result.outcome.status == DragStatus::Landed);
-            let mut result = landed.unwrap_or_else(|| solve(&whole));
+            let mut result = landed.unwrap_or_else(|| started.solved(&whole, end));
             if let DragStatus::Refused(_) = result.outcome.status {
                 result.light = light.light().clone();
             } else {

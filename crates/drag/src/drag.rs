@@ -5,7 +5,8 @@ use raycast::Bvh;
 
 use crate::alternatives::{drag_all, drag_chosen};
 use crate::request::{Drag, DragResult, NumberedPin};
-use crate::solve::{DragEnd, DragTask, solved};
+use crate::solve::{DragEnd, StartedTask};
+use crate::start::DragTask;
 use crate::work::WorkBudget;
 
 /// Drags a feature of `light` from one point of a picture to another, and changes the rest of the picture as little as
@@ -25,14 +26,7 @@ pub fn drag_budgeted(
     pins: &[NumberedPin],
     work: &WorkBudget,
 ) -> DragResult {
-    drag_chosen(DragTask {
-        bvh,
-        light,
-        drag,
-        pins: drag.pins.as_deref().unwrap_or(pins),
-        work,
-        end: DragEnd::CursorOrWay,
-    })
+    drag_chosen(DragTask { bvh, light, drag, pins: drag.pins.as_deref().unwrap_or(pins), work })
 }
 
 /// Solves a drag by each alternative that the light and the feature have. Returns the best first, then those that land,
@@ -47,12 +41,13 @@ pub fn drag_alternatives(
     pins: &[NumberedPin],
     work: &WorkBudget,
 ) -> Vec<DragResult> {
-    drag_all(DragTask { bvh, light, drag, pins: drag.pins.as_deref().unwrap_or(pins), work, end: DragEnd::CursorOrWay })
+    drag_all(DragTask { bvh, light, drag, pins: drag.pins.as_deref().unwrap_or(pins), work })
 }
 
 /// Drags a feature like [`drag`], but changes the light as little as it can, whatever that does to the picture: a
 /// comparison by which benchmarks and tests show that the difference matters.
 pub fn drag_least_change(bvh: &Bvh, light: &CheckedLight, drag: &Drag) -> DragResult {
     let work = WorkBudget::new(&|_| true);
-    solved(DragTask { bvh, light, drag, pins: &[], work: &work, end: DragEnd::CursorOrWay }, false)
+    let task = DragTask { bvh, light, drag, pins: &[], work: &work };
+    StartedTask::new(task, false).solved(drag, DragEnd::CursorOrWay)
 }

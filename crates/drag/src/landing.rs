@@ -8,12 +8,12 @@ use crate::chain::{ChainRule, follow};
 use crate::convex_step::StepWeights;
 use crate::dragged_feature::DraggedFeature;
 use crate::moves::Unknowns;
-use crate::occlusion::{Occlusion, seen_at};
+use crate::occlusion::seen_at;
 use crate::picture_metric::PictureMetric;
 use crate::pins::Pins;
 use crate::point_in_light::PointInLight;
 use crate::problem::{Objective, Problem, Tracked};
-use crate::request::{Drag, DragLimit, Feature, RadiusMode};
+use crate::request::{Drag, DragLimit, DragRefusal, Feature, RadiusMode};
 use crate::start::DragStart;
 use crate::taken_feature::TakenFeature;
 use crate::visibility::Visibility;
@@ -30,13 +30,8 @@ const SAME_POINT_TOLERANCE: f64 = 1e-6;
 const SUB_STEPS: usize = 16;
 const END_STEPS: usize = 4;
 
-/// Largest change of the light in a sub-step, in units of the unknowns, per pixel that the feature moves.
-const MAX_CHANGE_PER_PX: f64 = 0.1;
-
 /// Factors of the weights of the picture: the first, and the one if the feature does not land by that.
 const PICTURE_WEIGHTS: [f64; 2] = [1.0, 0.1];
-
-const WEIGHTS: StepWeights = StepWeights { change: 3.0, step: 30.0 };
 
 /// Cost of checking a light, in steps per control point.
 const CHECK_COST_STEPS: u64 = 1_000;
@@ -44,13 +39,32 @@ const CHECK_COST_STEPS: u64 = 1_000;
 /// Most tangents that are added in a drag. The second number is the most at which soft pins may still add some.
 const MAX_TANGENTS: [usize; 2] = [12, 4];
 
-/// Drag to any end.
+/// Returns the chain along the way of a feature that moves by `px_of_step` pixels in a sub-step.
+///
+/// A highlight or a lit side turns the light far for each pixel. With a step of less weight its chain overshoots, and the
+/// light jumps between neighbouring cursors. A shadow near its caster may ask for any change, which its chain does not
+/// follow.
+fn rule_of(feature: Feature, px_of_step: f64) -> ChainRule {
+    // The weight of a step, and the largest change of the light per pixel, in units of the unknowns.
+    let (step, max_change_per_px) = match feature {
+        Feature::Shadow => (30.0, 0.1),
+        Feature::Hotspot => (30.0, 0.4),
+        Feature::Highlight | Feature::Diffuse => (100.0, 0.4),
+    };
+    ChainRule {
+        sub_steps: SUB_STEPS,
+        end_steps: END_STEPS,
+        weights: StepWeights { change: 3.0, step },
+        max_change: max_change_per_px * px_of_step,
+        max_rows: f64::INFINITY,
+    }
+}
+
+/// Drag of a part of the light to any end.
 pub(crate) struct DragToAnyEnd<'a> {
-    pub occlusion: &'a Occlusion<'a>,
-    pub light: &'a CheckedLight,
+    pub start: &'a DragStart<'a>,
     pub drag: &'a Drag,
-    pub start: DragStart<'a>,
-    pub metric: PictureMetric,
+    unknowns: Unknowns,
 }
 
 /// Light with the feature at a pixel.
@@ -63,28 +77,16 @@ pub(crate) struct Landing {
 }
 
 impl<'a> DragToAnyEnd<'a> {
-    /// Prepares a drag. If it `keeps_picture`, the rest of the picture changes as little as it can, else the light.
-    pub fn new(
-        occlusion: &'a Occlusion<'a>,
-        light: &'a CheckedLight,
-        drag: &'a Drag,
-        start: DragStart<'a>,
-        keeps_picture: bool,
-    ) -> Self {
-        // The wish of a dragged hotspot is that the picture changes.
-        let metric = if keeps_picture && drag.feature != Feature::Hotspot {
-            PictureMetric::new(occlusion, &drag.view, &start.placed, start.caster.map(|caster| caster.node))
-        } else {
-            PictureMetric::default()
-        };
-        Self { occlusion, light, drag, start, metric }
+    /// Prepares a drag of what `drag` says, or returns the reason to refuse it.
+    pub fn new(start: &'a DragStart<'a>, drag: &'a Drag) -> Result<Self, DragRefusal> {
+        Ok(Self { start, drag, unknowns: start.unknowns(drag)? })
     }
 
     /// True if changes of the unknowns do not move the feature.
     pub fn has_no_effect(&self) -> bool {
         let taken = self.start.taken(self.drag.feature, self.start.from);
-        let none = Pins::default();
-        let problem = self.problem(&taken, &self.start.unknowns, &none);
+        let (no_pins, no_metric) = (Pins::default(), PictureMetric::default());
+        let problem = Problem { metric: &no_metric, ..self.problem(&taken, &self.unknowns, &no_pins) };
         problem.has_no_effect(&problem.tracked_at_start(self.start.feature_t()))
     }
 
@@ -96,7 +98,7 @@ impl<'a> DragToAnyEnd<'a> {
         let landed = self.land_with_pins(pixel, pins, &visibility);
         let Err(limit) = landed else { return landed };
         // Control points leave the source where it is.
-        let holds_source = self.drag.source_outside && matches!(self.start.unknowns, Unknowns::Rigid { .. });
+        let holds_source = self.drag.source_outside && matches!(self.unknowns, Unknowns::Rigid { .. });
         if pins.states.is_empty() && !holds_source {
             return Err(limit);
         }
@@ -138,7 +140,7 @@ impl<'a> DragToAnyEnd<'a> {
         let [first, second] = PICTURE_WEIGHTS;
         let landed = land_by(first);
         match landed {
-            Err(limit) if !self.metric.is_empty() => land_by(second).map_err(|_| limit),
+            Err(limit) if !self.start.metric.is_empty() => land_by(second).map_err(|_| limit),
             _ => landed,
         }
     }
@@ -152,7 +154,7 @@ impl<'a> DragToAnyEnd<'a> {
         weight: f64,
     ) -> Result<Landing, DragLimit> {
         let to = self.surface(pixel)?;
-        let unknowns = &self.start.unknowns;
+        let unknowns = &self.unknowns;
         let kept = match unknowns {
             Unknowns::Points { points, radii: RadiusMode::Follow, unit } => {
                 Some(Unknowns::Points { points: points.clone(), radii: RadiusMode::Keep, unit: *unit })
@@ -170,18 +172,20 @@ impl<'a> DragToAnyEnd<'a> {
     }
 
     fn surface(&self, pixel: DVec2) -> Result<SeenPoint, DragLimit> {
-        let to = seen_at(self.occlusion.bvh, &self.drag.view, pixel, self.occlusion.work);
-        to.filter(|to| self.occlusion.is_node_lit(to.node)).ok_or(DragLimit::NoDescent)
+        let occlusion = &self.start.occlusion;
+        let to = seen_at(occlusion.bvh, &self.drag.view, pixel, occlusion.work);
+        to.filter(|to| occlusion.is_node_lit(to.node)).ok_or(DragLimit::NoDescent)
     }
 
     fn visibility(&self) -> Visibility<'_> {
         let source_outside = self.drag.source_outside;
-        Visibility { occlusion: self.occlusion, source_outside, overlap: self.start.overlap }
+        let overlap = self.start.overlap_of(&self.unknowns);
+        Visibility { occlusion: &self.start.occlusion, source_outside, overlap }
     }
 
     fn problem<'p>(&'p self, taken: &'p TakenFeature, unknowns: &'p Unknowns, pins: &'p Pins) -> Problem<'p> {
         let placed = self.start.placed.clone();
-        Problem::new(Objective::Feature(taken), self.light, unknowns, placed, &self.metric, pins)
+        Problem::new(Objective::Feature(taken), self.start.light, unknowns, placed, &self.start.metric, pins)
     }
 
     fn land_with(
@@ -197,13 +201,7 @@ impl<'a> DragToAnyEnd<'a> {
         let mut problem = Problem { picture_weight, ..self.problem(&taken, unknowns, pins) };
         let near = problem.tracked_at_start(self.start.feature_t());
         let px_of_step = self.drag.from.distance(pixel).max(1.0) / SUB_STEPS as f64;
-        let rule = ChainRule {
-            sub_steps: SUB_STEPS,
-            end_steps: END_STEPS,
-            weights: WEIGHTS,
-            max_change: MAX_CHANGE_PER_PX * px_of_step,
-            max_rows: f64::INFINITY,
-        };
+        let rule = rule_of(self.drag.feature, px_of_step);
         let mut iterations = 0;
         // Visibility has no slope. So the drag is solved without it, and an edge that the light crossed becomes a
         // further bound.
@@ -223,11 +221,11 @@ impl<'a> DragToAnyEnd<'a> {
         if let Some(limit) = visibility.violated_limit(&problem, &end.x) {
             return Err(limit);
         }
-        self.occlusion.work.spend(CHECK_COST_STEPS * self.light.light().points().len() as u64);
-        let moved = CheckedLight::new(unknowns.light(self.light.light(), &end.x)).map_err(|_| DragLimit::Fold)?;
+        self.start.occlusion.work.spend(CHECK_COST_STEPS * self.start.light.light().points().len() as u64);
+        let moved = CheckedLight::new(unknowns.light(self.start.light.light(), &end.x)).map_err(|_| DragLimit::Fold)?;
         let (residual_px, shadowed_by) = self.judge(&taken, &moved, &end.tracked, pixel)?;
         // Rays that the budget cut short meet nothing, so what they say does not count.
-        if self.occlusion.work.is_exhausted() {
+        if self.start.occlusion.work.is_exhausted() {
             return Err(DragLimit::TooMuchWork);
         }
         Ok(Landing { light: moved, residual_px, shadowed_by, iterations })
@@ -243,7 +241,7 @@ impl<'a> DragToAnyEnd<'a> {
         pixel: DVec2,
     ) -> Result<(f64, Option<usize>), DragLimit> {
         let placed = self.start.placed.with(moved.rays());
-        let (bvh, view) = (self.occlusion.bvh, &self.drag.view);
+        let (bvh, view) = (self.start.occlusion.bvh, &self.drag.view);
         let residual_px = DraggedFeature { bvh, view, taken, placed: &placed }.distance_px(tracked.feature, pixel);
         let least_px = if taken.feature == Feature::Diffuse { 0.0 } else { LANDED_PX };
         if residual_px > least_px {
@@ -256,13 +254,13 @@ impl<'a> DragToAnyEnd<'a> {
         if !is_tracked(&counts, tracked.feature[0]) || !taken.pivot.is_none_or(caster_counts) {
             return Err(DragLimit::TubeEdge);
         }
-        let is_dark = self.occlusion.is_unlit(&placed, &counts, &taken.to);
+        let is_dark = self.start.occlusion.is_unlit(&placed, &counts, &taken.to);
         let Some(pivot) = taken.pivot else {
             // A feature that was lit stays lit.
-            let was_dark = self.occlusion.is_unlit(&self.start.placed, &self.start.coords, &taken.from);
+            let was_dark = self.start.occlusion.is_unlit(&self.start.placed, &self.start.coords, &taken.from);
             return if is_dark && !was_dark { Err(DragLimit::NoDescent) } else { Ok((residual_px, None)) };
         };
-        let first = self.occlusion.first_caster(&placed, &counts, &taken.to);
+        let first = self.start.occlusion.first_caster(&placed, &counts, &taken.to);
         let first = first.filter(|_| is_dark).ok_or(DragLimit::NoDescent)?;
         let is_the_pivot = pivot.distance(first.position) < SAME_POINT_TOLERANCE * pivot.distance(taken.to.position);
         Ok((residual_px, (!is_the_pivot).then_some(first.node)))

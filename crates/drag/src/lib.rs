@@ -55,4 +55,4 @@ pub use slide::{Slide, slide_point};
 pub use work::{MAX_DRAG_STEPS, STEPS_BETWEEN_CHECKS, WorkBudget};
 
 /// Name and version of the solver. The version grows with every change after which a drag may give another light.
-pub const SOLVER: (&str, u32) = ("picture", 7);
+pub const SOLVER: (&str, u32) = ("picture", 8);

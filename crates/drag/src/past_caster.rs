@@ -3,10 +3,8 @@
 use glam::DVec3;
 use light::Tube;
 
-use crate::occlusion::Occlusion;
 use crate::pins::points_of_node;
 use crate::request::{Drag, DragRefusal};
-use crate::solve::{DragTask, pick};
 use crate::start::DragStart;
 
 /// Room past the caster that a drag by the control points there takes, as a factor of the way across the light:
@@ -17,16 +15,12 @@ const ROOM_FACTOR: f64 = 0.97 / 2.0;
 const ARC_INTERVALS: u32 = 32;
 
 /// Returns the first control point that changes no light path before the end of the caster of a dragged shadow.
-pub(crate) fn first_point_past_caster(task: DragTask, tube: &Tube<f64>) -> Result<usize, DragRefusal> {
-    let DragTask { bvh, light, drag, work, .. } = task;
-    let occlusion = Occlusion::new(bvh, light, work);
-    let (picked, _) = pick(task);
-    let whole = Drag { points: None, ..drag.clone() };
-    let DragStart { placed, from, coords, caster, .. } = DragStart::new(&occlusion, light, &whole, &[], &picked)?;
+pub(crate) fn first_point_past_caster(start: &DragStart, drag: &Drag) -> Result<usize, DragRefusal> {
+    let DragStart { occlusion, light, placed, from, to, coords, caster, .. } = start;
+    let tube = light.tube().ok_or(DragRefusal::NotBendy)?;
     let caster = caster.ok_or(DragRefusal::NoShadow)?;
-    let to = picked[1].ok_or(DragRefusal::NothingAtEnd)?;
     let t_of = |point: DVec3| placed.locate(point, None).map(|coords| coords.t);
-    let of_caster = points_of_node(&occlusion, &drag.view, caster.node);
+    let of_caster = points_of_node(occlusion, &drag.view, caster.node);
     let last = of_caster.into_iter().filter_map(t_of).fold(caster.t, f64::max);
     let to_t = placed.nearest_t(to.position).ok_or(DragRefusal::TooLittleRoom)?;
     let way = to.position - from.position;

@@ -254,12 +254,15 @@ fn tube_from_source(tube: &Tube<f64>, from_source: DVec3) -> DVec3 {
     tube.placement.rotation.transpose() * from_source / tube.placement.world_per_tube
 }
 
-/// Tracks the root near `t` regardless of the radius, by Newton's method on `(q - P) . P'`. Each step squares the
-/// error.
+/// Tracks the root near `t` regardless of the radius, by Newton's method on `(q - P) . P'`, a cubic in each segment. Near
+/// the root it takes Halley's steps: the error after one is the cube of the one before.
 pub(crate) fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64> {
     const STEPS: usize = 12;
-    // The error after such a step is its square.
-    const ENOUGH: f64 = 1e-9;
+    // Steps after which the error is some 1e-15, by Newton's method and by Halley's. A slope by differences moves a root
+    // by less than the second, so that it takes one step.
+    const LAST_STEPS: [f64; 2] = [1e-9, 1e-5];
+    // Largest relative difference between the steps. Beyond it the second derivative may lead to another root.
+    const NEAR: f64 = 0.1;
     let end = tube.t_end();
     let mut t = near.clamp(0.0, end);
     for _ in 0..STEPS {
@@ -270,10 +273,14 @@ pub(crate) fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64>
         if slope <= 0.0 {
             break;
         }
-        // The curve changes past a joint, so a step is at most one segment long.
-        let step = (r.dot(d) / slope).clamp(-1.0, 1.0);
-        let next = (t + step).clamp(0.0, end);
-        let is_done = (next - t).abs() <= ENOUGH * (1.0 + t);
+        let newton = r.dot(d) / slope;
+        let bend = 3.0 * newton * d.dot(curve.a) / slope;
+        let is_near = bend.abs() < NEAR;
+        let step = if is_near { newton / (1.0 + bend) } else { newton };
+        // The curve changes past a joint, so a step is at most one segment long, and is not the last past one.
+        let next = (t + step.clamp(-1.0, 1.0)).clamp(0.0, end);
+        let last = LAST_STEPS[usize::from(is_near)] * (1.0 + t);
+        let is_done = (next - t).abs() <= last && tube.segment_at(next).0 == segment;
         t = next;
         if is_done {
             break;

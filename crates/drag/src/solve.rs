@@ -1,32 +1,18 @@
 //! One drag: to the cursor, or as far along the straight way to it as the feature lands.
 
-use light::CheckedLight;
-use raycast::{Bvh, SeenPoint};
+use raycast::SeenPoint;
 
 use crate::SOLVER;
 use crate::landing::{DragToAnyEnd, Landing};
-use crate::occlusion::{Occlusion, seen_at};
-use crate::request::{Drag, DragLimit, DragOutcome, DragRefusal, DragResult, DragStatus, NumberedPin};
-use crate::start::DragStart;
-use crate::work::WorkBudget;
+use crate::occlusion::seen_at;
+use crate::request::{Drag, DragLimit, DragOutcome, DragRefusal, DragResult, DragStatus};
+use crate::start::{DragStart, DragTask};
 
 /// Number of parts of the way whose ends are tried, from the cursor backwards, before the last part is halved.
 const PARTS: u32 = 8;
 
 /// Least share of the way that a limited drag covers. A drag that covers less is refused.
 const LEAST_SHARE: f64 = 1.0 / 3.0;
-
-/// Drag with all that it depends on.
-#[derive(Clone, Copy)]
-pub(crate) struct DragTask<'a> {
-    pub bvh: &'a Bvh,
-    pub light: &'a CheckedLight,
-    pub drag: &'a Drag,
-    /// Pins to keep.
-    pub pins: &'a [NumberedPin],
-    pub work: &'a WorkBudget<'a>,
-    pub end: DragEnd,
-}
 
 /// Places at which a drag may end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,68 +25,77 @@ pub(crate) enum DragEnd {
     Way(DragLimit),
 }
 
-/// Drags what `drag.points` says. If it `keeps_picture`, the rest of the picture changes as little as it can, else the
-/// light. The result has no changed share.
-pub(crate) fn solved(task: DragTask, keeps_picture: bool) -> DragResult {
-    let DragTask { bvh, light, drag, pins, work, end } = task;
-    let (picked, mut result) = pick(task);
-    let occlusion = Occlusion::new(bvh, light, work);
-    let distance = drag.from.distance(drag.to);
-    match DragStart::new(&occlusion, light, drag, pins, &picked) {
-        Err(refusal) => result.outcome.status = DragStatus::Refused(refusal),
-        Ok(start) => {
-            let origin = bvh.posed.origin_in_world;
-            result.outcome.pivot_world = start.caster.map(|caster| caster.position + origin);
-            result.outcome.residual_px = distance;
-            let to_any_end = DragToAnyEnd::new(&occlusion, light, drag, start, keeps_picture);
-            if to_any_end.has_no_effect() {
-                result.outcome.status = DragStatus::Refused(DragRefusal::NoWeight);
-            } else {
-                write_farthest(&to_any_end, drag, end, &mut result);
-            }
+/// Task with its start, the same for all alternatives of one light.
+pub(crate) struct StartedTask<'a> {
+    task: DragTask<'a>,
+    picked: [Option<SeenPoint>; 2],
+    /// Start of the drag, or the reason to refuse it.
+    pub start: Result<DragStart<'a>, DragRefusal>,
+}
+
+impl<'a> StartedTask<'a> {
+    /// Starts a drag. If it `keeps_picture`, the rest of the picture changes as little as it can, else the light.
+    pub fn new(task: DragTask<'a>, keeps_picture: bool) -> Self {
+        let DragTask { bvh, drag, work, .. } = task;
+        let picked = [drag.from, drag.to].map(|pixel| seen_at(bvh, &drag.view, pixel, work));
+        Self { task, picked, start: DragStart::new(task, &picked, keeps_picture) }
+    }
+
+    /// Drags what `drag.points` says; all else of `drag` is that of the task. The result has no changed share.
+    pub fn solved(&self, drag: &Drag, end: DragEnd) -> DragResult {
+        if drag.points.is_some() && self.task.light.tube().is_none() {
+            return self.refused(DragRefusal::NotBendy);
         }
+        let started = self.start.as_ref().map_err(|refusal| *refusal);
+        let to_any_end = match started.and_then(|start| DragToAnyEnd::new(start, drag)) {
+            Ok(to_any_end) => to_any_end,
+            Err(refusal) => return self.limited_by_work(self.refused(refusal), drag),
+        };
+        let mut result = self.refused(DragRefusal::NoWeight);
+        let origin = self.task.bvh.posed.origin_in_world;
+        result.outcome.pivot_world = to_any_end.start.caster.map(|caster| caster.position + origin);
+        result.outcome.residual_px = drag.from.distance(drag.to);
+        if !to_any_end.has_no_effect() {
+            write_farthest(&to_any_end, end, &mut result);
+        }
+        self.limited_by_work(result, drag)
     }
-    if work.is_exhausted() && matches!(result.outcome.status, DragStatus::Refused(_)) {
-        result.outcome.status = DragStatus::Refused(DragRefusal::Limited(DragLimit::TooMuchWork));
-        result.outcome.residual_px = distance;
+
+    /// Returns a result, or that of a drag that is refused since the budget is spent.
+    fn limited_by_work(&self, mut result: DragResult, drag: &Drag) -> DragResult {
+        if self.task.work.is_exhausted() && matches!(result.outcome.status, DragStatus::Refused(_)) {
+            result.outcome.status = DragStatus::Refused(DragRefusal::Limited(DragLimit::TooMuchWork));
+            result.outcome.residual_px = drag.from.distance(drag.to);
+        }
+        result
     }
-    result
-}
 
-/// Returns the result of a drag that is refused.
-pub(crate) fn refused(task: DragTask, refusal: DragRefusal) -> DragResult {
-    let (_, mut result) = pick(task);
-    result.outcome.status = DragStatus::Refused(refusal);
-    result
-}
-
-/// Picks the surfaces at the start of the drag and under the cursor. Also returns the result of a drag that is refused.
-pub(crate) fn pick(task: DragTask) -> ([Option<SeenPoint>; 2], DragResult) {
-    let DragTask { bvh, light, drag, work, .. } = task;
-    let origin = bvh.posed.origin_in_world;
-    let picked = [drag.from, drag.to].map(|pixel| seen_at(bvh, &drag.view, pixel, work));
-    let [from_world, to_world] = picked.map(|seen| seen.map(|seen| seen.position + origin));
-    let (solver, version) = SOLVER;
-    let outcome = DragOutcome {
-        solver: solver.into(),
-        version,
-        status: DragStatus::Refused(DragRefusal::NothingAtStart),
-        alternative: None,
-        changed_share: None,
-        pinned_change: None,
-        residual_px: f64::INFINITY,
-        shadowed_by: None,
-        iterations: 0,
-        from_world,
-        to_world,
-        pivot_world: None,
-    };
-    (picked, DragResult { light: light.light().clone(), copy: None, outcome })
+    /// Returns the result of a drag that is refused.
+    pub fn refused(&self, refusal: DragRefusal) -> DragResult {
+        let DragTask { bvh, light, .. } = self.task;
+        let [from_world, to_world] = self.picked.map(|seen| seen.map(|seen| seen.position + bvh.posed.origin_in_world));
+        let (solver, version) = SOLVER;
+        let outcome = DragOutcome {
+            solver: solver.into(),
+            version,
+            status: DragStatus::Refused(refusal),
+            alternative: None,
+            changed_share: None,
+            pinned_change: None,
+            residual_px: f64::INFINITY,
+            shadowed_by: None,
+            iterations: 0,
+            from_world,
+            to_world,
+            pivot_world: None,
+        };
+        DragResult { light: light.light().clone(), copy: None, outcome }
+    }
 }
 
 /// Drags the feature to where it may `end`, as near to the cursor as it lands, and writes the result.
-fn write_farthest(to_any_end: &DragToAnyEnd, drag: &Drag, end: DragEnd, result: &mut DragResult) {
-    let Drag { from, to, .. } = *drag;
+fn write_farthest(to_any_end: &DragToAnyEnd, end: DragEnd, result: &mut DragResult) {
+    let Drag { from, to, .. } = *to_any_end.drag;
     let distance = from.distance(to);
     let at = |share: f64| from.lerp(to, share);
     // The limit is that at the cursor, whatever ends the way before.
@@ -121,7 +116,7 @@ fn write_farthest(to_any_end: &DragToAnyEnd, drag: &Drag, end: DragEnd, result: 
         }
     }
     let landed = reached.filter(|share| *share >= LEAST_SHARE).map(|share| (share, to_any_end.land(at(share))));
-    if to_any_end.occlusion.work.is_exhausted() {
+    if to_any_end.start.occlusion.work.is_exhausted() {
         limit = DragLimit::TooMuchWork;
     }
     match landed {
@@ -134,7 +129,7 @@ fn write_farthest(to_any_end: &DragToAnyEnd, drag: &Drag, end: DragEnd, result: 
 }
 
 fn write(to_any_end: &DragToAnyEnd, landing: &Landing, status: DragStatus, result: &mut DragResult) {
-    let nodes = &to_any_end.occlusion.bvh.posed.scene.nodes;
+    let nodes = &to_any_end.start.occlusion.bvh.posed.scene.nodes;
     result.light = landing.light.light().clone();
     result.outcome.status = status;
     result.outcome.residual_px = landing.residual_px;

@@ -8,9 +8,12 @@ use crate::support::{self, TestScene, Trial, trials};
 /// Longest path of the cursor, in pixels.
 const PATH_PX: f64 = 60.0;
 
-/// Change of the light by one pixel, in lengths of the light, that few steps exceed, and one that none exceeds.
+/// Change of the light by one pixel, in lengths of the light, that few steps exceed.
 const LONG_STEP: f64 = 0.05;
-const JUMP: f64 = 0.15;
+
+/// Parts of a long step, and the change by one of them that is a jump: a steep way changes the light evenly.
+const PARTS: usize = 16;
+const JUMP: f64 = 0.02;
 
 /// Least cosine between the normals of neighbouring pixels.
 const MIN_NORMALS_COS: f64 = 0.99996;
@@ -52,7 +55,19 @@ fn change(trial: &Trial, from: &DragResult, to: &DragResult) -> f64 {
     moved.fold(0.0, f64::max) / length
 }
 
-/// Number of steps by one pixel, of those that are long and of those that are jumps although the drag ends alike before
+/// Returns the farthest that a control point moves by one part of a step of a pixel, in lengths of the light.
+fn largest_part(scene: &TestScene, trial: &Trial, px: usize) -> f64 {
+    let Drag { from, to, .. } = trial.drag;
+    let step = (to - from).normalize_or_zero();
+    let at = |part: usize| {
+        let to = from + step * (px as f64 + part as f64 / PARTS as f64);
+        drag(&scene.bvh, &trial.light, &Drag { to, ..trial.drag.clone() }, &[])
+    };
+    let parts: Vec<DragResult> = (0..=PARTS).map(at).collect();
+    parts.windows(2).map(|pair| change(trial, &pair[0], &pair[1])).fold(0.0, f64::max)
+}
+
+/// Number of steps by one pixel, of those that are long, and of those that are jumps, although the drag ends alike before
 /// and after.
 #[derive(Default)]
 struct Steps {
@@ -72,11 +87,15 @@ fn steps_over(scene: &TestScene) -> Steps {
                 let size = change(&trial, &pair[0], &pair[1]);
                 let is_alike = std::mem::discriminant(&was) == std::mem::discriminant(&is);
                 steps.all += 1;
-                steps.long += usize::from(is_alike && size > LONG_STEP);
-                steps.jumps += usize::from(is_alike && size > JUMP);
-                if size > LONG_STEP {
+                if is_alike && size > LONG_STEP {
+                    let part = largest_part(scene, &trial, px);
+                    steps.long += 1;
+                    steps.jumps += usize::from(part > JUMP);
                     let points = trial.drag.points.as_ref().map_or(0, Vec::len);
-                    println!("{} {feature:?} of {points} points at {px} px: {size:.3}, {was:?}, {is:?}", scene.name);
+                    println!(
+                        "{} {feature:?} of {points} points at {px} px: {size:.3}, {part:.3} by a part",
+                        scene.name
+                    );
                 }
             }
         }
@@ -84,7 +103,8 @@ fn steps_over(scene: &TestScene) -> Steps {
     steps
 }
 
-/// Hardly a step is long, and none is a jump. A light may jump where the constraints of the drag change.
+/// Hardly a step is long, and hardly one of these is a jump: there the rest of the picture begins to count less, since the
+/// feature does not land else. A light may jump where the limits of the drag change.
 #[test]
 fn a_pixel_moves_the_light_little() {
     let scenes = support::scenes();
@@ -95,5 +115,5 @@ fn a_pixel_moves_the_light_little() {
     let sum = |of: fn(&Steps) -> usize| counts.iter().map(of).sum::<usize>();
     let (all, long, jumps) = (sum(|steps| steps.all), sum(|steps| steps.long), sum(|steps| steps.jumps));
     println!("{all} steps, {long} long, {jumps} jumps");
-    assert!(all > 400 && 100 * long <= all && jumps == 0, "{all} steps, {long} long, {jumps} jumps");
+    assert!(all > 400 && 200 * long <= all && 1000 * jumps <= all, "{all} steps, {long} long, {jumps} jumps");
 }

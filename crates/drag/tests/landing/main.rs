@@ -61,6 +61,20 @@ fn off(reference: &Reference, trial: &Trial, result: &DragResult) -> Option<f64>
     }
 }
 
+/// Returns the light's profile at a pixel if the feature can be seen there: the surface faces the light, which is of the
+/// `least` profile there, and lies in a shadow if one is dragged, else in none.
+fn is_seen(reference: &Reference, trial: &Trial, light: &Light, pixel: DVec2, least: f64) -> Option<f64> {
+    let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
+    let surface = reference.surface(&view, pixel)?;
+    let checked = CheckedLight::new(light.clone()).ok()?;
+    let sample = reference.sample(&ReferenceLight::new(&checked), &surface)?;
+    let profile: f64 = checked.rays().light_profile().across(sample.coords.v, sample.coords.w);
+    let is_shadow = trial.drag.feature == Feature::Shadow;
+    let faces = surface.normal.dot(sample.coords.direction) > 0.0;
+    (faces && sample.is_visible != is_shadow && profile >= least).then_some(profile)
+}
+
+/// Of landed features that could be seen where they were taken, 98 % are seen at the cursor.
 /// Half of the drags cover a few pixels, and half of them go to any pixel of the picture, also to some that the feature
 /// cannot reach: a shadow not onto a surface that its caster lies behind.
 ///
@@ -70,6 +84,8 @@ fn landed_drags_have_the_feature_under_the_cursor() {
     let scenes = support::scenes();
     for feature in FEATURES {
         let (mut landed, mut all) = ([0, 0], [0, 0]);
+        // Landed features that could be seen where they were taken, and those that can be seen at the cursor.
+        let (mut visible, mut seen, mut seen_in_thin) = (0, 0, 0);
         for scene in &scenes {
             let (name, reference) = (&scene.name, scene.reference());
             for trial in trials(scene, feature, 24) {
@@ -87,13 +103,25 @@ fn landed_drags_have_the_feature_under_the_cursor() {
                 let off = off(&reference, &trial, &result);
                 assert!(off.is_some_and(|off| off < most), "{off:?} {what}");
                 assert_only_requested_changes(&trial, &result);
+                if let Some(was) = is_seen(&reference, &trial, trial.light.light(), trial.drag.from, 0.02) {
+                    // The solver's own share is a half, of a profile with 0.02 more.
+                    let is_seen_at_cursor =
+                        |light: &Light| is_seen(&reference, &trial, light, trial.drag.to, 0.49 * was).is_some();
+                    let thin = result.light.clone().map_points(|_, point| point.radius *= 0.2);
+                    visible += 1;
+                    seen += usize::from(is_seen_at_cursor(&result.light));
+                    seen_in_thin += usize::from(is_seen_at_cursor(&thin));
+                }
                 // Deliberate fault that the check must detect: the unmoved light is not a solution.
                 let unmoved = DragResult { light: trial.light.light().clone(), ..result };
                 let was = self::off(&reference, &trial, &unmoved);
                 assert!(was.is_none_or(|was| was > most) || trial.is_there_already(), "{was:?} {what}");
             }
         }
-        println!("{feature:?}: {landed:?} of {all:?}");
+        println!("{feature:?}: {landed:?} of {all:?}, {seen} of {visible} seen {seen_in_thin} in thin lights");
+        assert!(visible > 15 && 100 * seen >= 98 * visible, "{feature:?}: {seen} of {visible} seen");
+        // Deliberate fault that the check must detect: lights that are too thin to reach the cursor.
+        assert!(100 * seen_in_thin < 98 * visible, "{feature:?}: {seen_in_thin} of {visible} seen");
         assert!(landed[0] * 10 >= all[0] * 7, "{feature:?} moved as a whole: {landed:?} of {all:?}");
         assert!(landed[1] * 2 >= all[1], "{feature:?} deformed: {landed:?} of {all:?}");
     }
