@@ -35,7 +35,7 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
         answers.iter().filter(|answer| answer["status"] == "landed").map(|answer| &answer["fromWorld"]).collect();
     let kinds = ["direction", "lit", "shadowed", "shadow"];
     let pin = |n: usize| {
-        let (kind, at, hard) = (if n < 2 { kinds[0] } else { kinds[n % 4] }, lit[n * 7 % lit.len()], n < 2);
+        let (kind, at, hard) = (if n < 2 { kinds[0] } else { kinds[n % 4] }, lit[n * 5 % lit.len()], n < 2);
         json!({"command": {"type": "addPin", "pin": {"kind": kind, "light": mirror.light(), "at": at, "hard": hard}}})
     };
     let edits: Vec<Value> = (0..PINS).map(pin).collect();

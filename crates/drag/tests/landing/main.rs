@@ -74,7 +74,8 @@ fn is_seen(reference: &Reference, trial: &Trial, light: &Light, pixel: DVec2, le
     (faces && sample.is_visible != is_shadow && profile >= least).then_some(profile)
 }
 
-/// Of landed features that could be seen where they were taken, 98 % are seen at the cursor.
+/// Features that land can be seen at the cursor, 98 % of those that could be seen where they were taken.
+///
 /// Half of the drags cover a few pixels, and half of them go to any pixel of the picture, also to some that the feature
 /// cannot reach: a shadow not onto a surface that its caster lies behind.
 ///
