@@ -1,6 +1,6 @@
 //! A step of the cursor by one pixel moves the light little.
 
-use drag::{Drag, DragResult, Feature, RadiusMode, drag};
+use drag::{Drag, DragChoice, DragResult, Feature, RadiusMode, drag};
 use raycast::SeenPoint;
 
 use crate::support::{self, TestScene, Trial, trials};
@@ -20,6 +20,8 @@ const MIN_NORMALS_COS: f64 = 0.99996;
 
 /// Paths over each scene, of each feature.
 const PATHS: usize = 6;
+/// The same, of drags by the best alternative.
+const PATHS_OF_BEST: usize = 3;
 
 /// Drags to a cursor that goes away from its start pixel by pixel. Stops where the cursor leaves the surface, and where
 /// the surface itself turns by more than half a degree a pixel.
@@ -69,23 +71,30 @@ fn largest_part(scene: &TestScene, trial: &Trial, px: usize) -> f64 {
 
 /// Number of steps by one pixel, of those that are long, and of those that are jumps, although the drag ends alike before
 /// and after.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Steps {
     all: usize,
     long: usize,
     jumps: usize,
 }
 
-fn steps_over(scene: &TestScene) -> Steps {
+/// Steps of drags of what the trials name, or of the best alternative, as a page drags.
+fn steps_over(scene: &TestScene, choice: Option<DragChoice>) -> Steps {
     let mut steps = Steps::default();
+    let paths = if choice.is_none() { PATHS } else { PATHS_OF_BEST };
     for feature in [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse] {
-        for mut trial in trials(scene, feature, 2 * PATHS).filter(|trial| !trial.is_there_already()).take(PATHS) {
+        for mut trial in trials(scene, feature, 2 * PATHS).filter(|trial| !trial.is_there_already()).take(paths) {
             trial.drag.radii = RadiusMode::Follow;
             trial.drag.source_outside = true;
+            if choice.is_some() {
+                trial.drag.points = None;
+                trial.drag.choice = choice;
+            }
             for (px, pair) in results(scene, &trial).windows(2).enumerate() {
-                let [was, is] = [pair[0].outcome.status, pair[1].outcome.status];
+                let [was, is] = [&pair[0].outcome, &pair[1].outcome];
                 let size = change(&trial, &pair[0], &pair[1]);
-                let is_alike = std::mem::discriminant(&was) == std::mem::discriminant(&is);
+                let is_alike = std::mem::discriminant(&was.status) == std::mem::discriminant(&is.status)
+                    && was.alternative == is.alternative;
                 steps.all += 1;
                 if is_alike && size > LONG_STEP {
                     let part = largest_part(scene, &trial, px);
@@ -103,17 +112,29 @@ fn steps_over(scene: &TestScene) -> Steps {
     steps
 }
 
+fn steps_over_scenes(choice: Option<DragChoice>) -> Steps {
+    let scenes = support::scenes();
+    let counts: Vec<Steps> = std::thread::scope(|threads| {
+        let running: Vec<_> = scenes.iter().map(|scene| threads.spawn(|| steps_over(scene, choice))).collect();
+        running.into_iter().map(|thread| thread.join().expect("no drag panics")).collect()
+    });
+    let sum = |of: fn(&Steps) -> usize| counts.iter().map(of).sum::<usize>();
+    let sum = Steps { all: sum(|steps| steps.all), long: sum(|steps| steps.long), jumps: sum(|steps| steps.jumps) };
+    println!("{sum:?}");
+    sum
+}
+
 /// Hardly a step is long, and hardly one of these is a jump: there the rest of the picture begins to count less, since the
 /// feature does not land else. A light may jump where the limits of the drag change.
 #[test]
 fn a_pixel_moves_the_light_little() {
-    let scenes = support::scenes();
-    let counts: Vec<Steps> = std::thread::scope(|threads| {
-        let running: Vec<_> = scenes.iter().map(|scene| threads.spawn(|| steps_over(scene))).collect();
-        running.into_iter().map(|thread| thread.join().expect("no drag panics")).collect()
-    });
-    let sum = |of: fn(&Steps) -> usize| counts.iter().map(of).sum::<usize>();
-    let (all, long, jumps) = (sum(|steps| steps.all), sum(|steps| steps.long), sum(|steps| steps.jumps));
-    println!("{all} steps, {long} long, {jumps} jumps");
+    let Steps { all, long, jumps } = steps_over_scenes(None);
     assert!(all > 400 && 200 * long <= all && 1000 * jumps <= all, "{all} steps, {long} long, {jumps} jumps");
+}
+
+/// The same of the best alternative, while it stays the same one.
+#[test]
+fn a_pixel_moves_the_best_alternative_little() {
+    let Steps { all, long, .. } = steps_over_scenes(Some(DragChoice::Best));
+    assert!(all > 400 && 200 * long <= all, "{all} steps, {long} long");
 }
