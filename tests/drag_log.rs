@@ -13,7 +13,7 @@ use raycast::Bvh;
 
 const DRAGS: usize = 500;
 
-/// SHA-256 of the log's lines, by optimized and unoptimized builds, with version 6 of the solver. If results of the
+/// SHA-256 of the log's lines, by optimized and unoptimized builds, with version 8 of the solver. If results of the
 /// solver change, this hash changes too, and `drag::SOLVER` gets a new version.
 const HASH: &str = "1adcdb14cd346b554adf7d27d5528aa902d328f94779eccd80cdd6a15fb5ff60";
 

@@ -29,9 +29,8 @@ struct Solved {
     change_of_lit: f64,
 }
 
-/// Drag by alternatives, with the picture by which they are measured.
-struct Listed<'a> {
-    task: DragTask<'a>,
+/// Started drag, with the picture by which its alternatives are measured.
+struct MeasuredTask<'a> {
     started: StartedTask<'a>,
     sample: PictureSample<'a>,
 }
@@ -49,17 +48,17 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
     match task.drag.choice {
         None => measured_alone(started.solved(task.drag, DragEnd::CursorOrWay)),
         Some(DragChoice::Only(alternative)) => {
-            let result = solve_alternative(task, &started, alternative, DragEnd::CursorOrWay);
+            let result = solve_alternative(&started, alternative, DragEnd::CursorOrWay);
             let mut result = result.unwrap_or_else(|refusal| started.refused(refusal));
             result.outcome.alternative = Some(alternative);
             measured_alone(result)
         }
         Some(DragChoice::Best) => {
-            let listed = Listed::new(task, started);
+            let measured = MeasuredTask::new(started);
             // Whatever lands is better than what is limited. So limited drags are searched for only if nothing lands.
             let mut limits = Vec::new();
             let at_cursor = best_of(|alternative| {
-                let new = listed.solved(alternative, DragEnd::Cursor)?;
+                let new = measured.solved(alternative, DragEnd::Cursor)?;
                 limits.extend(limit_at_cursor(&new).map(|limit| (alternative, limit)));
                 Some(new)
             });
@@ -67,11 +66,11 @@ pub(crate) fn drag_chosen(task: DragTask) -> DragResult {
             let best = at_cursor.filter(has_landed).or_else(|| {
                 best_of(|alternative| {
                     let known = limits.iter().find(|(tried, _)| *tried == alternative);
-                    listed.solved(alternative, known.map_or(DragEnd::CursorOrWay, |(_, limit)| DragEnd::Way(*limit)))
+                    measured.solved(alternative, known.map_or(DragEnd::CursorOrWay, |(_, limit)| DragEnd::Way(*limit)))
                 })
             });
             // The light as a whole can always be tried.
-            best.map_or_else(|| listed.started.refused(DragRefusal::NotBendy), |best| best.result)
+            best.map_or_else(|| measured.started.refused(DragRefusal::NotBendy), |best| best.result)
         }
     }
 }
@@ -106,12 +105,12 @@ fn limit_at_cursor(solved: &Solved) -> Option<DragLimit> {
 /// Solves a drag by each alternative that the light and the feature have. Returns the best first, then those that land,
 /// are limited and are refused, each by what they change. Of those with the same picture, the first remains.
 pub(crate) fn drag_all(task: DragTask) -> Vec<DragResult> {
-    let listed = Listed::new(task, StartedTask::new(task, true));
+    let measured = MeasuredTask::new(StartedTask::new(task, true));
     let mut all: Vec<Solved> = Vec::new();
     for alternative in Alternative::ALL {
         // Radii that need not shrink give the same light as those that are kept.
         if alternative != Alternative::Narrower || all.first().is_some_and(is_limited_by_fold) {
-            all.extend(listed.solved(alternative, DragEnd::CursorOrWay));
+            all.extend(measured.solved(alternative, DragEnd::CursorOrWay));
         }
     }
     let own = (0..all.len()).filter(|index| all[*index].result.outcome.alternative != Some(Alternative::LinkedCopy));
@@ -121,7 +120,7 @@ pub(crate) fn drag_all(task: DragTask) -> Vec<DragResult> {
     let mut distinct: Vec<Solved> = Vec::new();
     for solved in first.into_iter().chain(all) {
         let is_solved = |solved: &Solved| !solved.after.is_empty();
-        let is_twin = |other: &Solved| is_solved(other) && listed.sample.are_alike(&solved.after, &other.after);
+        let is_twin = |other: &Solved| is_solved(other) && measured.sample.are_alike(&solved.after, &other.after);
         if !(is_solved(&solved) && distinct.iter().any(is_twin)) {
             distinct.push(solved);
         }
@@ -161,16 +160,17 @@ impl Solved {
     }
 }
 
-impl<'a> Listed<'a> {
-    fn new(task: DragTask<'a>, started: StartedTask<'a>) -> Self {
-        let mut sample = PictureSample::new(task.bvh, &task.drag.view, task.light, task.work);
-        sample.add_lit_pixels(&task.drag.view, task.light);
-        Self { task, started, sample }
+impl<'a> MeasuredTask<'a> {
+    fn new(started: StartedTask<'a>) -> Self {
+        let DragTask { bvh, light, drag, work, .. } = started.task;
+        let mut sample = PictureSample::new(bvh, &drag.view, light, work);
+        sample.add_lit_pixels(&drag.view, light);
+        Self { started, sample }
     }
 
     /// Solves the drag by an alternative. `None` if the light or the feature does not have it.
     fn solved(&self, alternative: Alternative, end: DragEnd) -> Option<Solved> {
-        let mut result = match solve_alternative(self.task, &self.started, alternative, end) {
+        let mut result = match solve_alternative(&self.started, alternative, end) {
             Ok(result) => result,
             Err(refusal @ DragRefusal::TooLittleRoom) => self.started.refused(refusal),
             Err(_) => return None,
@@ -188,27 +188,21 @@ impl<'a> Listed<'a> {
     }
 }
 
-/// Solves a drag by an alternative, or says why the light or the feature does not have it. `started` is the task with its
-/// start.
-fn solve_alternative(
-    task: DragTask,
-    started: &StartedTask,
-    alternative: Alternative,
-    end: DragEnd,
-) -> Result<DragResult, DragRefusal> {
-    let DragTask { bvh, light, drag, pins, work } = task;
+/// Solves a drag by an alternative, or says why the light or the feature does not have it.
+fn solve_alternative(started: &StartedTask, alternative: Alternative, end: DragEnd) -> Result<DragResult, DragRefusal> {
+    let DragTask { bvh, light, drag, pins, work } = started.task;
     let whole = Drag { points: None, ..drag.clone() };
     let movable = || drag.points.clone().unwrap_or_else(|| (1..light.light().points().len()).collect());
     let by_points = |points: Vec<usize>, radii| Drag { points: Some(points), radii, ..drag.clone() };
-    let is_bent = light.tube().ok_or(DragRefusal::NotBendy);
+    let tube = light.tube().ok_or(DragRefusal::NotBendy);
     match alternative {
         Alternative::WholeLight => Ok(started.solved(&whole, end)),
         Alternative::ControlPoints => {
             // Radii shrink by themselves in the narrower alternative only.
             let radii = if drag.radii == RadiusMode::Solve { RadiusMode::Solve } else { RadiusMode::Keep };
-            is_bent.map(|_| started.solved(&by_points(movable(), radii), end))
+            tube.map(|_| started.solved(&by_points(movable(), radii), end))
         }
-        Alternative::Narrower => is_bent.map(|_| started.solved(&by_points(movable(), RadiusMode::Follow), end)),
+        Alternative::Narrower => tube.map(|_| started.solved(&by_points(movable(), RadiusMode::Follow), end)),
         Alternative::PastCaster => {
             let start = started.start.as_ref().map_err(|refusal| *refusal)?;
             let first = first_point_past_caster(start, drag)?;
@@ -218,7 +212,7 @@ fn solve_alternative(
         Alternative::LinkedCopy => {
             let occlusion = Occlusion::new(bvh, light, work);
             let split = split_light(&occlusion, light, drag, pins).ok_or(DragRefusal::NoShadow)?;
-            let started = StartedTask::new(DragTask { light: &split.dragged, pins: &split.pins, ..task }, true);
+            let started = StartedTask::new(DragTask { light: &split.dragged, pins: &split.pins, ..started.task }, true);
             let bent = light.tube().map(|_| started.solved(&by_points(movable(), RadiusMode::Keep), end));
             let landed = bent.filter(|result| result.outcome.status == DragStatus::Landed);
             let mut result = landed.unwrap_or_else(|| started.solved(&whole, end));

@@ -27,7 +27,7 @@ pub(crate) enum DragEnd {
 
 /// Task with its start, the same for all alternatives of one light.
 pub(crate) struct StartedTask<'a> {
-    task: DragTask<'a>,
+    pub task: DragTask<'a>,
     picked: [Option<SeenPoint>; 2],
     /// Start of the drag, or the reason to refuse it.
     pub start: Result<DragStart<'a>, DragRefusal>,

@@ -63,7 +63,7 @@ fn off(reference: &Reference, trial: &Trial, result: &DragResult) -> Option<f64>
 
 /// Returns the light's profile at a pixel if the feature can be seen there: the surface faces the light, which is of the
 /// `least` profile there, and lies in a shadow if one is dragged, else in none.
-fn is_seen(reference: &Reference, trial: &Trial, light: &Light, pixel: DVec2, least: f64) -> Option<f64> {
+fn profile_if_seen(reference: &Reference, trial: &Trial, light: &Light, pixel: DVec2, least: f64) -> Option<f64> {
     let view = View::beauty(trial.drag.view.camera.clone(), trial.drag.view.size);
     let surface = reference.surface(&view, pixel)?;
     let checked = CheckedLight::new(light.clone()).ok()?;
@@ -104,10 +104,10 @@ fn landed_drags_have_the_feature_under_the_cursor() {
                 let off = off(&reference, &trial, &result);
                 assert!(off.is_some_and(|off| off < most), "{off:?} {what}");
                 assert_only_requested_changes(&trial, &result);
-                if let Some(was) = is_seen(&reference, &trial, trial.light.light(), trial.drag.from, 0.02) {
+                if let Some(was) = profile_if_seen(&reference, &trial, trial.light.light(), trial.drag.from, 0.02) {
                     // The solver's own share is a half, of a profile with 0.02 more.
                     let is_seen_at_cursor =
-                        |light: &Light| is_seen(&reference, &trial, light, trial.drag.to, 0.49 * was).is_some();
+                        |light: &Light| profile_if_seen(&reference, &trial, light, trial.drag.to, 0.49 * was).is_some();
                     let thin = result.light.clone().map_points(|_, point| point.radius *= 0.2);
                     visible += 1;
                     seen += usize::from(is_seen_at_cursor(&result.light));
@@ -119,7 +119,7 @@ fn landed_drags_have_the_feature_under_the_cursor() {
                 assert!(was.is_none_or(|was| was > most) || trial.is_there_already(), "{was:?} {what}");
             }
         }
-        println!("{feature:?}: {landed:?} of {all:?}, {seen} of {visible} seen {seen_in_thin} in thin lights");
+        println!("{feature:?}: {landed:?} of {all:?}, {seen} of {visible} seen, {seen_in_thin} in thin lights");
         assert!(visible > 15 && 100 * seen >= 98 * visible, "{feature:?}: {seen} of {visible} seen");
         // Deliberate fault that the check must detect: lights that are too thin to reach the cursor.
         assert!(100 * seen_in_thin < 98 * visible, "{feature:?}: {seen_in_thin} of {visible} seen");
