@@ -68,7 +68,7 @@ def main() -> None:
     shot.edit({"type": "bendLight", "light": light})
     camera = shot.document["cameras"][0]["camera"]
     drag = {"kind": "shadow", "points": [1, 2, 3, 4], "camera": camera, "size": SIZE}
-    drag |= {"from": [275, 190], "to": [260, 235]}
+    drag |= {"from": [275, 190], "to": [270, 220]}
     outcome = shot.edit({"type": "dragFeature", "light": light, **drag})["outcome"]
     with open(given.out, "wb") as file:
         file.write(shot.picture(samples=4))

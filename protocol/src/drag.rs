@@ -4,8 +4,8 @@ use std::fmt;
 
 use document::{LightPin, PinId};
 use drag::{
-    Alternative, DragChoice as Choice, DragOutcome as Outcome, DragRefusal, Feature, NumberedPin, PinKind as Kind,
-    PinTarget as Target, RadiusMode, Viewport,
+    Alternative, Constraint, DragChoice as Choice, DragOutcome as Outcome, DragRefusal, Feature, NumberedPin,
+    PinKind as Kind, PinTarget as Target, RadiusMode, Viewport,
 };
 use light::LightId;
 use schemars::JsonSchema;
@@ -315,6 +315,18 @@ pub enum DragReason {
     Limited,
 }
 
+/// [`drag::Constraint`] in JSON: what a drag relaxes where the feature does not land else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum DragConstraint {
+    /// The rest of the picture changes little. Relaxed, it counts a tenth.
+    Picture,
+    /// Soft pins hold. Relaxed, they do not count.
+    SoftPins,
+    /// Radii stay. Relaxed, they shrink where the tube would fold.
+    Radii,
+}
+
 /// Outcome of a drag of a feature, besides the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
@@ -334,6 +346,9 @@ pub struct DragOutcome {
     /// brightness of its brightest point before the drag. Only with such a pin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pinned_change: Option<f64>,
+    /// Constraints that gave way so that the feature lands. From one cursor to the next the light may jump where they change.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub relaxed: Vec<DragConstraint>,
     /// Limit that stopped a drag that is `limited`, or `refused` for the reason `limited`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<DragLimit>,
@@ -475,6 +490,7 @@ impl From<&Outcome> for DragOutcome {
             alternative: outcome.alternative.map(Into::into),
             changed_share: outcome.changed_share,
             pinned_change: outcome.pinned_change,
+            relaxed: outcome.relaxed.iter().map(|constraint| (*constraint).into()).collect(),
             limit,
             reason,
             pin,
@@ -517,6 +533,7 @@ impl TryFrom<DragOutcome> for Outcome {
             alternative: wire.alternative.map(Into::into),
             changed_share: wire.changed_share,
             pinned_change: wire.pinned_change,
+            relaxed: wire.relaxed.into_iter().map(Into::into).collect(),
             residual_px: wire.residual_px.unwrap_or(f64::INFINITY),
             shadowed_by: wire.shadowed_by,
             iterations: wire.iterations,
@@ -529,6 +546,7 @@ impl TryFrom<DragOutcome> for Outcome {
 
 same_variants!(DragKind = Feature { Shadow, Hotspot, Highlight, Diffuse });
 same_variants!(DragAlternative = Alternative { ControlPoints, Narrower, WholeLight, PastCaster, LinkedCopy });
+same_variants!(DragConstraint = Constraint { Picture, SoftPins, Radii });
 same_variants!(DragRadii = RadiusMode { Keep, Solve, Follow });
 same_variants!(PinKind = Kind { Direction, Look, Lit, Shadowed, Shadow, Coordinates });
 same_variants!(drag::DragLimit => DragLimit {

@@ -56,6 +56,9 @@ test("the label of a drag has the residual, what changes, and the alternative", 
     "lamp shadows this too",
     "Narrower",
   ]);
+  expect(dragLines({ ...OUTCOME, relaxed: ["softPins", "picture"] }, null, null)).toEqual([
+    "To get there soft pins do not hold, the rest of the picture counts less",
+  ]);
   expect(dragLines({ ...OUTCOME, changedShare: 0.2 }, null, null)).toEqual(["changes 20\u00a0%"]);
   expect(dragLines({ ...OUTCOME, pinnedChange: 0.012 }, null, null)).toEqual([
     "pinned objects change by 3 of 255 at most",

@@ -1,5 +1,7 @@
 //! Alternatives of a drag: other parts of the light that may follow the feature, ordered by what they do to the picture.
 
+use std::cell::OnceCell;
+
 use light::CheckedLight;
 
 use crate::linked_copy::split_light;
@@ -32,7 +34,8 @@ struct Solved {
 /// Started drag, with the picture by which its alternatives are measured.
 struct MeasuredTask<'a> {
     started: StartedTask<'a>,
-    sample: PictureSample<'a>,
+    /// Pixels of the picture, measured when the first alternative is solved: a drag may be refused before.
+    sample: OnceCell<PictureSample<'a>>,
 }
 
 /// Drags by the alternative that the drag chooses, or by what it names itself.
@@ -120,7 +123,7 @@ pub(crate) fn drag_all(task: DragTask) -> Vec<DragResult> {
     let mut distinct: Vec<Solved> = Vec::new();
     for solved in first.into_iter().chain(all) {
         let is_solved = |solved: &Solved| !solved.after.is_empty();
-        let is_twin = |other: &Solved| is_solved(other) && measured.sample.are_alike(&solved.after, &other.after);
+        let is_twin = |other: &Solved| is_solved(other) && measured.sample().are_alike(&solved.after, &other.after);
         if !(is_solved(&solved) && distinct.iter().any(is_twin)) {
             distinct.push(solved);
         }
@@ -162,10 +165,16 @@ impl Solved {
 
 impl<'a> MeasuredTask<'a> {
     fn new(started: StartedTask<'a>) -> Self {
-        let DragTask { bvh, light, drag, work, .. } = started.task;
-        let mut sample = PictureSample::new(bvh, &drag.view, light, work);
-        sample.add_lit_pixels(&drag.view, light);
-        Self { started, sample }
+        Self { started, sample: OnceCell::new() }
+    }
+
+    fn sample(&self) -> &PictureSample<'a> {
+        self.sample.get_or_init(|| {
+            let DragTask { bvh, light, drag, work, .. } = self.started.task;
+            let mut sample = PictureSample::new(bvh, &drag.view, light, work);
+            sample.add_lit_pixels(&drag.view, light);
+            sample
+        })
     }
 
     /// Solves the drag by an alternative. `None` if the light or the feature does not have it.
@@ -179,11 +188,12 @@ impl<'a> MeasuredTask<'a> {
         let Some(lights) = lights_after(&result) else {
             return Some(Solved { result, after: Vec::new(), change_of_lit: 1.0 });
         };
-        let after = self.sample.irradiances(&lights);
-        result.outcome.changed_share = self.sample.changed_share(&after);
+        let sample = self.sample();
+        let after = sample.irradiances(&lights);
+        result.outcome.changed_share = sample.changed_share(&after);
         // Node whose shadow is dragged.
         let moved_caster = self.started.start.as_ref().ok().and_then(|start| start.caster).map(|caster| caster.node);
-        let change_of_lit = self.sample.change_of_lit(&lights[0], &after, moved_caster);
+        let change_of_lit = sample.change_of_lit(&lights[0], &after, moved_caster);
         Some(Solved { result, after, change_of_lit })
     }
 }

@@ -13,7 +13,7 @@ use crate::picture_metric::PictureMetric;
 use crate::pins::Pins;
 use crate::point_in_light::PointInLight;
 use crate::problem::{Objective, Problem, Tracked};
-use crate::request::{Drag, DragLimit, DragRefusal, Feature, RadiusMode};
+use crate::request::{Constraint, Drag, DragLimit, DragRefusal, Feature, RadiusMode};
 use crate::start::DragStart;
 use crate::taken_feature::TakenFeature;
 use crate::visibility::Visibility;
@@ -47,7 +47,7 @@ const MAX_TANGENTS: [usize; 2] = [12, 4];
 fn rule_of(feature: Feature, px_of_step: f64) -> ChainRule {
     // The weight of a step, and the largest change of the light per pixel, in units of the unknowns.
     let (step, max_change_per_px) = match feature {
-        Feature::Shadow => (30.0, 0.1),
+        Feature::Shadow => (30.0, 0.05),
         Feature::Hotspot => (30.0, 0.4),
         Feature::Highlight | Feature::Diffuse => (100.0, 0.4),
     };
@@ -73,7 +73,17 @@ pub(crate) struct Landing {
     pub residual_px: f64,
     /// Node that shadows the feature in place of the dragged caster.
     pub shadowed_by: Option<usize>,
+    /// Constraints that were relaxed, each once.
+    pub relaxed: Vec<Constraint>,
     pub iterations: usize,
+}
+
+impl Landing {
+    /// Adds a constraint that was relaxed for this landing.
+    fn relaxed(mut self, constraint: Constraint) -> Self {
+        self.relaxed.push(constraint);
+        self
+    }
 }
 
 impl<'a> DragToAnyEnd<'a> {
@@ -103,10 +113,13 @@ impl<'a> DragToAnyEnd<'a> {
             return Err(limit);
         }
         let hard = pins.hard();
-        if !hard.states.is_empty() && hard.states.len() < pins.states.len() {
+        let has_soft_pins = hard.states.len() < pins.states.len();
+        let without_soft_pins =
+            |landing: Landing| if has_soft_pins { landing.relaxed(Constraint::SoftPins) } else { landing };
+        if !hard.states.is_empty() && has_soft_pins {
             let landed = self.land_with_pins(pixel, &hard, &visibility);
             if landed.is_ok() {
-                return landed;
+                return landed.map(without_soft_pins);
             }
         }
         let anywhere = Visibility { source_outside: false, ..self.visibility() };
@@ -116,7 +129,7 @@ impl<'a> DragToAnyEnd<'a> {
         match visibility.first_violated_pin(&placed, &hard) {
             Some(pin) => Err(DragLimit::Pin(pin)),
             None if visibility.crossed_surface(from, placed.source() - from).is_some() => Err(DragLimit::SourceInside),
-            None => Ok(free),
+            None => Ok(without_soft_pins(free)),
         }
     }
 
@@ -140,7 +153,9 @@ impl<'a> DragToAnyEnd<'a> {
         let [first, second] = PICTURE_WEIGHTS;
         let landed = land_by(first);
         match landed {
-            Err(limit) if !self.start.metric.is_empty() => land_by(second).map_err(|_| limit),
+            Err(limit) if !self.start.metric.is_empty() => {
+                land_by(second).map(|landing| landing.relaxed(Constraint::Picture)).map_err(|_| limit)
+            }
             _ => landed,
         }
     }
@@ -164,7 +179,7 @@ impl<'a> DragToAnyEnd<'a> {
         let land = |unknowns| self.land_with(unknowns, pins, visibility, weight, pixel, to);
         match &kept {
             Some(kept) => match land(kept) {
-                Err(DragLimit::Fold) => land(unknowns),
+                Err(DragLimit::Fold) => land(unknowns).map(|landing| landing.relaxed(Constraint::Radii)),
                 landed_or_limited => landed_or_limited,
             },
             None => land(unknowns),
@@ -228,7 +243,7 @@ impl<'a> DragToAnyEnd<'a> {
         if self.start.occlusion.work.is_exhausted() {
             return Err(DragLimit::TooMuchWork);
         }
-        Ok(Landing { light: moved, residual_px, shadowed_by, iterations })
+        Ok(Landing { light: moved, residual_px, shadowed_by, relaxed: Vec::new(), iterations })
     }
 
     /// Checks with rays that the feature of a light is at a pixel, and can be seen there. Returns its distance from the

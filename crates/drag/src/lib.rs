@@ -48,11 +48,11 @@ pub use dragged_feature::highlight_near;
 pub use held_pins::first_broken_pin;
 pub use pinned_slide::{place_along_pins, slide_point_along_pins};
 pub use request::{
-    Alternative, Drag, DragChoice, DragLimit, DragOutcome, DragPin, DragRefusal, DragResult, DragStatus, Feature,
-    LightCopy, NumberedPin, PinKind, PinTarget, RadiusMode, Viewport,
+    Alternative, Constraint, Drag, DragChoice, DragLimit, DragOutcome, DragPin, DragRefusal, DragResult, DragStatus,
+    Feature, LightCopy, NumberedPin, PinKind, PinTarget, RadiusMode, Viewport,
 };
 pub use slide::{Slide, slide_point};
 pub use work::{MAX_DRAG_STEPS, STEPS_BETWEEN_CHECKS, WorkBudget};
 
 /// Name and version of the solver. The version grows with every change after which a drag may give another light.
-pub const SOLVER: (&str, u32) = ("picture", 8);
+pub const SOLVER: (&str, u32) = ("picture", 9);

@@ -37,7 +37,7 @@ const ROOM_SHARE: f64 = 0.5;
 const MAX_ROOM: f64 = 0.25;
 
 /// Half of the range of rho, in radii, in which the edge fades out, and of the distance from an end, in widths.
-const EDGE_FADE: f64 = 0.05;
+const EDGE_FADE: f64 = 0.1;
 
 /// Cosine below which shading is smoothed.
 const COSINE_FADE: f64 = 0.05;

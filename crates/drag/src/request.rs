@@ -185,6 +185,9 @@ pub struct DragOutcome {
     /// Largest change of what a picture shows at a point of a pinned node, 0 to 1, where 1 is the brightness of the pin's
     /// brightest point at the start; `None` without hard pins of nodes, or if the drag was refused.
     pub pinned_change: Option<f64>,
+    /// Constraints that the drag relaxed so that the feature lands, each once. From one cursor to the next the light may
+    /// jump where they change.
+    pub relaxed: Vec<Constraint>,
     /// Distance on the screen from the cursor to the feature, in pixels; infinite if the feature is not in the picture.
     pub residual_px: f64,
     /// Name of the node that shadows M' in place of the dragged caster point, if another caster is on the light path.
@@ -197,6 +200,17 @@ pub struct DragOutcome {
     pub to_world: Option<DVec3>,
     /// World position of the caster point of a dragged shadow.
     pub pivot_world: Option<DVec3>,
+}
+
+/// Constraint that a drag relaxes where the feature does not land else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Constraint {
+    /// The rest of the picture changes little. Relaxed, it counts a tenth.
+    Picture,
+    /// Soft pins hold. Relaxed, they do not count.
+    SoftPins,
+    /// Radii stay. Relaxed, they shrink where the tube would fold ([`RadiusMode::Follow`]).
+    Radii,
 }
 
 /// Outcome of a drag.

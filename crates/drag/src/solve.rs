@@ -82,6 +82,7 @@ impl<'a> StartedTask<'a> {
             alternative: None,
             changed_share: None,
             pinned_change: None,
+            relaxed: Vec::new(),
             residual_px: f64::INFINITY,
             shadowed_by: None,
             iterations: 0,
@@ -134,6 +135,7 @@ fn write(to_any_end: &DragToAnyEnd, landing: &Landing, status: DragStatus, resul
     result.outcome.status = status;
     result.outcome.residual_px = landing.residual_px;
     result.outcome.iterations = landing.iterations;
+    result.outcome.relaxed.clone_from(&landing.relaxed);
     result.outcome.pinned_change = to_any_end.largest_change_of_nodes(&landing.light);
     result.outcome.shadowed_by = landing.shadowed_by.map(|node| nodes[node].name.clone());
 }

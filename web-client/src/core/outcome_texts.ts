@@ -1,7 +1,7 @@
 // Results of drags of features, in words.
 
 import { ALTERNATIVE_NAMES, changesText } from "./alternatives";
-import type { DragAlternative, DragLimit, DragOutcome, DragReason } from "./protocol";
+import type { DragAlternative, DragConstraint, DragLimit, DragOutcome, DragReason } from "./protocol";
 
 const LIMITS: { [L in DragLimit]: string } = {
   fold: "the tube would fold",
@@ -24,6 +24,12 @@ const REASONS: { [R in Exclude<DragReason, "limited">]: string } = {
   noWeight: "these control points do not reach it",
   pinDoesNotHold: "a pin does not hold",
   tooLittleRoom: "too little room behind the caster",
+};
+
+const RELAXED: { [C in DragConstraint]: string } = {
+  picture: "the rest of the picture counts less",
+  softPins: "soft pins do not hold",
+  radii: "the light gets narrower",
 };
 
 /** Parts of a result that texts are made of. */
@@ -61,15 +67,24 @@ function pinnedText(change: number): string {
   return steps === 0 ? "pinned objects stay as they are" : `pinned objects change by ${steps} of 255 at most`;
 }
 
-/** Lines about a drag that is under way: the residual, what changes, the alternative that was taken, and what pinned objects change. */
+/** Constraints that gave way so that the feature lands. */
+function relaxedText(relaxed: readonly DragConstraint[] = []): string | null {
+  return relaxed.length === 0 ? null : `To get there ${relaxed.map((one) => RELAXED[one]).join(", ")}`;
+}
+
+/**
+ * Lines about a drag that is under way: the residual, what changes, the alternative that was taken, what gave way, and what pinned
+ * objects change.
+ */
 export function dragLines(outcome: DragOutcome, taken: DragAlternative | null, pin: PinName): string[] {
-  const { changedShare, pinnedChange, shadowedBy, status } = outcome;
+  const { changedShare, pinnedChange, relaxed, shadowedBy, status } = outcome;
   const changes = changesText(changedShare);
   const name = taken === null ? null : ALTERNATIVE_NAMES[taken];
   const lines = [
     shortText(outcome, pin),
     shadowedBy === null || status === "refused" ? null : `${shadowedBy} shadows this too`,
     [name, changes].filter((part) => part !== null).join(", "),
+    relaxedText(relaxed),
     pinnedChange === undefined ? null : pinnedText(pinnedChange),
   ];
   return lines.filter((line) => line !== null && line !== "") as string[];

@@ -366,6 +366,14 @@ export type DragReason =
   | "tooLittleRoom"
   | "limited";
 /**
+ * `drag::Constraint` in JSON: what a drag relaxes where the feature does not land else.
+ *
+ * - `picture`: The rest of the picture changes little. Relaxed, it counts a tenth.
+ * - `softPins`: Soft pins hold. Relaxed, they do not count.
+ * - `radii`: Radii stay. Relaxed, they shrink where the tube would fold.
+ */
+export type DragConstraint = "picture" | "softPins" | "radii";
+/**
  * `drag::DragStatus` in JSON.
  *
  * - `landed`: The feature lies within half a pixel of the cursor.
@@ -2720,6 +2728,10 @@ export interface DragOutcome {
    */
   pivotWorld: [number, number, number] | null;
   reason?: DragReason;
+  /**
+   * Constraints that gave way so that the feature lands. From one cursor to the next the light may jump where they change.
+   */
+  relaxed?: DragConstraint[];
   /**
    * Distance in pixels from `to` to the feature; `null` if the feature is not in the picture.
    */

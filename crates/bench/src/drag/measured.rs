@@ -226,6 +226,7 @@ fn timed<T>(solve: impl FnOnce() -> T) -> (T, f64) {
 
 /// Drags to the cursor along the last pixels of its straight way, a pixel at a time. Returns the largest way of a control point in each step, in lengths
 /// of the light. A step at which the surface under the cursor is another, or turns, is left out: there the light has to jump.
+/// So is one at which the answer names other relaxed constraints.
 fn steps(stage: &TrialScene, trial: &Trial, solve: impl Fn(&Drag) -> DragResult) -> Vec<f64> {
     let Drag { from, to, .. } = trial.drag;
     let ahead = (to - from).normalize_or_zero();
@@ -233,12 +234,13 @@ fn steps(stage: &TrialScene, trial: &Trial, solve: impl Fn(&Drag) -> DragResult)
         let to = to + ahead * (number as f64 - WAY_PX as f64);
         let seen = stage.seen(to)?;
         let result = solve(&Drag { to, ..trial.drag.clone() });
-        (result.outcome.status == DragStatus::Landed).then_some((seen, result.light))
+        (result.outcome.status == DragStatus::Landed).then_some((seen, result))
     };
-    let ends: Vec<Option<(SeenPoint, Light)>> = (0..=WAY_PX).map(landed).collect();
-    let way = |pair: &[Option<(SeenPoint, Light)>]| {
+    let ends: Vec<Option<(SeenPoint, DragResult)>> = (0..=WAY_PX).map(landed).collect();
+    let way = |pair: &[Option<(SeenPoint, DragResult)>]| {
         let [(a, before), (b, after)] = [pair[0].as_ref()?, pair[1].as_ref()?];
-        is_one_surface(a, b).then(|| largest_way(before, after))
+        let is_alike = before.outcome.relaxed == after.outcome.relaxed;
+        (is_one_surface(a, b) && is_alike).then(|| largest_way(&before.light, &after.light))
     };
     ends.windows(2).filter_map(way).collect()
 }

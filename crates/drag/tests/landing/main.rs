@@ -12,6 +12,7 @@ mod nonsense;
 mod overlaps;
 mod picture;
 mod pins;
+mod relaxed;
 mod sliding;
 mod support;
 
