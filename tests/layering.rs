@@ -40,7 +40,7 @@ const fn pure(name: &'static str, uses: &'static str) -> Layer {
 
 const LAYERS: &[Layer] = &[
     pure("light", ""),
-    pure("scene", "light"),
+    pure("scene", "light hierarchy"),
     pure("hierarchy", ""),
     pure("document", "light scene raycast drag"),
     pure("raycast", "light scene hierarchy"),
@@ -48,7 +48,7 @@ const LAYERS: &[Layer] = &[
     layer("reference", "light scene raycast", &["tokio", "wgpu", "axum", "serde", "render"]),
     pure("edit", "light scene document"),
     layer("assets", "light scene document", &["tokio", "wgpu", "axum", "protocol"]),
-    layer("relight", "light", NO_IO),
+    layer("relight", "light hierarchy", NO_IO),
     layer("render", "light scene hierarchy relight", &["tokio", "axum", "protocol"]),
     layer("stream", "", &["tokio", "wgpu", "axum"]),
     layer("protocol", "light scene document edit drag reference", &["tokio", "wgpu", "axum"]),

@@ -94,7 +94,7 @@ impl DraggedFeature<'_> {
         let size = self.bvh.posed.half_extent.length();
         // Shadows fall on all surfaces, whatever the shadow links.
         let is_solid =
-            |triangle: usize, weights: DVec3| self.bvh.passes_alpha_test(&self.bvh.triangles[triangle], weights);
+            |triangle: usize, weights: DVec3| self.bvh.passes_alpha_test(&self.bvh.triangle(triangle), weights);
         match self.placed.rays {
             LightRays::Bent(tube) => {
                 let path = self.bvh.bent_path(tube, across.x, across.y);

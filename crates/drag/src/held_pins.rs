@@ -94,7 +94,7 @@ fn center(occlusion: &Occlusion, light: &CheckedLight, pin: &NumberedPin) -> DVe
             let root = node_named(&occlusion.bvh.posed, node);
             let is_of_node = root.and_then(|root| nodes_under(occlusion, root)).unwrap_or_default();
             let of_node = |node: usize| is_of_node.get(node).copied().unwrap_or_default();
-            let triangles = occlusion.bvh.triangles.iter().filter(|triangle| of_node(triangle.node));
+            let triangles = occlusion.bvh.triangles().filter(|triangle| of_node(triangle.node));
             let corners = || triangles.clone().flat_map(|triangle| triangle.corners);
             corners().sum::<DVec3>() / (corners().count().max(1) as f64)
         }

@@ -87,7 +87,7 @@ fn node_of_pin(occlusion: &Occlusion, at: &PinTarget) -> Option<usize> {
             let point: DVec3 = at - posed.origin_in_world;
             let within = CONTACT * posed.half_extent.length();
             let spend = |boxes| occlusion.work.spend_on_rays(boxes);
-            bvh.nearest_budgeted(point, within, spend, |_| true).map(|near| bvh.triangles[near.triangle].node)
+            bvh.nearest_budgeted(point, within, spend, |_| true).map(|near| bvh.triangle(near.triangle).node)
         }
         PinTarget::Node(name) => node_named(posed, name),
     }

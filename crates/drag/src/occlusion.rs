@@ -110,7 +110,7 @@ impl<'a> Occlusion<'a> {
             return None;
         }
         let stops = |triangle: usize, weights: DVec3| {
-            is_caster(self.bvh.triangles[triangle].node) && self.bvh.casts_shadow_at(&self.linked, triangle, weights)
+            is_caster(self.bvh.triangle(triangle).node) && self.bvh.casts_shadow_at(&self.linked, triangle, weights)
         };
         let spend = |boxes| self.work.spend_on_rays(boxes);
         let (triangle, position, t) = if let LightRays::Bent(tube) = placed.rays {
@@ -127,6 +127,6 @@ impl<'a> Occlusion<'a> {
             })?;
             (hit.triangle, from + ray * hit.distance, coords.t - length * (1.0 - hit.distance))
         };
-        Some(ShadowCaster { position, t, node: self.bvh.triangles[triangle].node })
+        Some(ShadowCaster { position, t, node: self.bvh.triangle(triangle).node })
     }
 }

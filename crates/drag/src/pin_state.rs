@@ -73,7 +73,7 @@ impl PinState {
         let towards = |normal: DVec3| if normal.dot(coords.along_path) < 0.0 { -normal } else { normal };
         let (normals, offset) = surface.map_or(([coords.along_path; 2], 0.0), |surface| {
             let (smooth, offset) = bvh.smooth_surface_at(surface.triangle, surface.barycentrics, surface.position);
-            let flat = bvh.triangles[surface.triangle].normal().normalize();
+            let flat = bvh.triangle(surface.triangle).normal().normalize();
             let [smooth, flat] = [smooth, flat].map(towards);
             ([smooth, if flat.dot(smooth) > 0.0 { flat } else { smooth }], offset)
         });
@@ -88,7 +88,7 @@ impl PinState {
             shadow_point: point + normals[0] * offset,
             pivot: None,
             contact,
-            node: surface.map(|surface| bvh.triangles[surface.triangle].node),
+            node: surface.map(|surface| bvh.triangle(surface.triangle).node),
             is_of_node,
             stays_lit: None,
         };

@@ -132,7 +132,7 @@ pub(crate) fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: usize
     let (bvh, posed) = (occlusion.bvh, &occlusion.bvh.posed);
     let Some(is_of_node) = nodes_under(occlusion, node) else { return Vec::new() };
     let origin = posed.origin_in_world;
-    let triangles: Vec<_> = bvh.triangles.iter().filter(|triangle| is_of_node[triangle.node]).collect();
+    let triangles: Vec<_> = bvh.triangles().filter(|triangle| is_of_node[triangle.node]).collect();
     let corners = triangles.iter().flat_map(|triangle| triangle.corners);
     let size = DVec2::from(view.size.map(f64::from));
     let (mut least, mut most) = (size, DVec2::ZERO);
@@ -154,7 +154,7 @@ pub(crate) fn points_of_node(occlusion: &Occlusion, view: &Viewport, node: usize
 /// Finds points on the surfaces of a node and of those below it that lie in the light, in proportion to area.
 fn points_on_node(occlusion: &Occlusion, light: &SceneLight, node: usize) -> Vec<DVec3> {
     let Some(is_of_node) = nodes_under(occlusion, node) else { return Vec::new() };
-    let triangles: Vec<_> = occlusion.bvh.triangles.iter().filter(|triangle| is_of_node[triangle.node]).collect();
+    let triangles: Vec<_> = occlusion.bvh.triangles().filter(|triangle| is_of_node[triangle.node]).collect();
     let mut area = 0.0;
     // Area of the triangles up to and including each.
     let areas: Vec<f64> = triangles
@@ -188,7 +188,7 @@ pub(crate) fn nodes_under(occlusion: &Occlusion, node: usize) -> Option<Vec<bool
     let nodes = &occlusion.bvh.posed.scene.nodes;
     let parents = |index: usize| std::iter::successors(Some(index), |index| nodes[*index].parent);
     let is_under = |index: usize| parents(index).any(|parent| parent == node);
-    occlusion.work.spend(occlusion.bvh.triangles.len() as u64).then(|| (0..nodes.len()).map(is_under).collect())
+    occlusion.work.spend(occlusion.bvh.triangle_count() as u64).then(|| (0..nodes.len()).map(is_under).collect())
 }
 
 /// Returns the first node with a name or path.

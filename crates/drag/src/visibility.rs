@@ -230,9 +230,9 @@ impl Visibility<'_> {
         let reach = 1.0 + SURFACE_CLEARANCE_SHARE * size / offset.length().max(f64::MIN_POSITIVE);
         let spend = |boxes| self.occlusion.work.spend_on_rays(boxes);
         let hit = bvh.first_hit_budgeted(from, offset, [0.0, reach], spend, |hit| {
-            bvh.passes_alpha_test(&bvh.triangles[hit.triangle], hit.barycentrics)
+            bvh.passes_alpha_test(&bvh.triangle(hit.triangle), hit.barycentrics)
         })?;
-        let normal = bvh.triangles[hit.triangle].normal().normalize();
+        let normal = bvh.triangle(hit.triangle).normal().normalize();
         let normal = if normal.dot(offset) < 0.0 { normal } else { -normal };
         let at = from + offset * hit.distance;
         let clearance = (SURFACE_CLEARANCE_SHARE * size).min(0.5 * (from - at).dot(normal));

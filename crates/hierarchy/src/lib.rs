@@ -12,35 +12,57 @@
 mod bounds;
 mod split;
 
+use std::ops::Range;
+
+use glam::Vec3A;
+
 pub use bounds::Aabb;
 pub use split::MAX_DEPTH;
 use split::{IndexedBox, split, union_of};
 
-/// Node of a [`Hierarchy`]. Its box contains its two child nodes or, in a leaf, the boxes of the leaf.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Node of a [`Hierarchy`], in the layout of a storage buffer: `nearby.wgsl` has the same struct. Its box contains its two child
+/// nodes or, in a leaf, the boxes of the leaf.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct HierarchyNode {
-    pub bounds: Aabb,
-    /// Inner node: index in [`Hierarchy::nodes`] of the first of its two children. Leaf: index in [`Hierarchy::order`]
-    /// of its first box.
-    pub first: u32,
-    /// Number of entries of `order` in a leaf; 0 for an inner node.
+    /// Least corner of the box.
+    pub min: [f32; 3],
+    /// Number of entries of [`Hierarchy::order`] in a leaf; 0 for an inner node.
     pub count: u32,
+    /// Greatest corner of the box.
+    pub max: [f32; 3],
+    /// Leaf: index in `order` of its first box. Inner node: index of the node after all its descendants, where a traversal goes
+    /// that skips the node.
+    pub next: u32,
 }
 
 /// Binary tree of boxes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hierarchy {
-    /// Nodes, the root first. The two children of a node are adjacent and come after it. Empty if there are no boxes.
+    /// Nodes in depth-first order, the root first. The first child of a node follows it. Empty if there are no boxes.
     pub nodes: Vec<HierarchyNode>,
     /// Indices of the given boxes, leaf by leaf.
     pub order: Vec<u32>,
 }
 
 impl HierarchyNode {
+    /// Node that no ray meets, for a buffer that must not be empty.
+    pub const NOWHERE: Self = Self { min: [f32::MAX; 3], count: 0, max: [f32::MIN; 3], next: 1 };
+
     /// Returns true if the node holds boxes and no child nodes.
     pub fn is_leaf(&self) -> bool {
         self.count > 0
     }
+
+    pub fn bounds(&self) -> Aabb {
+        Aabb { min: Vec3A::from(self.min), max: Vec3A::from(self.max) }
+    }
+}
+
+/// Items of a node that is to be made.
+struct OpenNode {
+    items: Range<usize>,
+    depth: u32,
 }
 
 impl Hierarchy {
@@ -51,33 +73,52 @@ impl Hierarchy {
     pub fn new(boxes: impl IntoIterator<Item = Aabb>) -> Self {
         let mut items: Vec<IndexedBox> =
             boxes.into_iter().zip(0..).map(|(bounds, index)| IndexedBox { bounds, index }).collect();
-        let (mut nodes, mut open) = (Vec::with_capacity(items.len()), Vec::new());
+        let mut nodes = Vec::new();
+        let mut open = Vec::new();
         if !items.is_empty() {
-            nodes.push(HierarchyNode { bounds: union_of(&items), first: 0, count: items.len() as u32 });
-            open.push((0, 0));
+            open.push(OpenNode { items: 0..items.len(), depth: 0 });
         }
-        while let Some((index, depth)) = open.pop() {
-            let HierarchyNode { bounds, first, count } = nodes[index];
-            let (begin, end) = (first as usize, (first + count) as usize);
-            let below = &mut items[begin..end];
-            let Some(left) = split(below, bounds, depth) else { continue };
-            let (one, other) = below.split_at(left);
-            let children = nodes.len();
-            nodes.push(HierarchyNode { bounds: union_of(one), first, count: left as u32 });
-            nodes.push(HierarchyNode {
-                bounds: union_of(other),
-                first: first + left as u32,
-                count: count - left as u32,
-            });
-            nodes[index] = HierarchyNode { bounds, first: children as u32, count: 0 };
-            open.extend([(children + 1, depth + 1), (children, depth + 1)]);
+        while let Some(OpenNode { items: Range { start, end }, depth }) = open.pop() {
+            let below = &mut items[start..end];
+            let bounds = union_of(below);
+            let middle = split(below, bounds, depth).map(|left| start + left);
+            let count = if middle.is_none() { (end - start) as u32 } else { 0 };
+            let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
+            nodes.push(HierarchyNode { min, count, max, next: start as u32 });
+            if let Some(middle) = middle {
+                // The first child is made next.
+                open.push(OpenNode { items: middle..end, depth: depth + 1 });
+                open.push(OpenNode { items: start..middle, depth: depth + 1 });
+            }
         }
+        link_past_descendants(&mut nodes);
         Self { nodes, order: items.iter().map(|item| item.index).collect() }
     }
 
     /// Returns the indices of the boxes in a leaf; none for an inner node.
     pub fn items(&self, node: &HierarchyNode) -> &[u32] {
-        &self.order[node.first as usize..][..node.count as usize]
+        if node.is_leaf() { &self.order[node.next as usize..][..node.count as usize] } else { &[] }
+    }
+
+    /// Returns the indices of the two child nodes of an inner node.
+    pub fn children(&self, index: u32) -> [u32; 2] {
+        let first = &self.nodes[index as usize + 1];
+        [index + 1, if first.is_leaf() { index + 2 } else { first.next }]
+    }
+}
+
+/// Sets `next` of all inner nodes.
+fn link_past_descendants(nodes: &mut [HierarchyNode]) {
+    // From the back, the subtrees of both children are complete when their parent follows: their numbers of nodes.
+    let mut sizes: Vec<u32> = Vec::new();
+    for (index, node) in nodes.iter_mut().enumerate().rev() {
+        if node.is_leaf() {
+            sizes.push(1);
+            continue;
+        }
+        let size = 1 + sizes.pop().unwrap_or(0) + sizes.pop().unwrap_or(0);
+        node.next = index as u32 + size;
+        sizes.push(size);
     }
 }
 

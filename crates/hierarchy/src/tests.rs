@@ -11,8 +11,8 @@ fn at(corner: [f32; 3], size: [f32; 3]) -> Aabb {
 /// Returns the depth of the tree: number of levels below the root.
 fn depth(hierarchy: &Hierarchy) -> u32 {
     let mut depths = vec![0; hierarchy.nodes.len()];
-    for (index, node) in hierarchy.nodes.iter().enumerate().filter(|(_, node)| !node.is_leaf()) {
-        for child in [node.first, node.first + 1] {
+    for (index, _) in hierarchy.nodes.iter().enumerate().filter(|(_, node)| !node.is_leaf()) {
+        for child in hierarchy.children(index as u32) {
             depths[child as usize] = depths[index] + 1;
         }
     }
@@ -26,15 +26,16 @@ fn broken_invariant(hierarchy: &Hierarchy, boxes: &[Aabb]) -> Option<String> {
     if order != (0..boxes.len() as u32).collect::<Vec<_>>() {
         return Some("not each box is in it once".into());
     }
-    let holds = |outer: Aabb, inner: Aabb| outer.union(inner) == outer;
     let mut held = 0;
-    for node in &hierarchy.nodes {
+    for (index, node) in hierarchy.nodes.iter().enumerate() {
+        let holds = |inner: Aabb| node.bounds().union(inner) == node.bounds();
         if node.is_leaf() {
             held += hierarchy.items(node).len();
-            if hierarchy.items(node).iter().any(|&index| !holds(node.bounds, boxes[index as usize])) {
+            if hierarchy.items(node).iter().any(|&index| !holds(boxes[index as usize])) {
                 return Some(format!("a leaf does not hold its boxes: {node:?}"));
             }
-        } else if [0, 1].iter().any(|k| !holds(node.bounds, hierarchy.nodes[(node.first + k) as usize].bounds)) {
+        } else if hierarchy.children(index as u32).iter().any(|&child| !holds(hierarchy.nodes[child as usize].bounds()))
+        {
             return Some(format!("a node does not hold its nodes: {node:?}"));
         }
     }
@@ -43,13 +44,14 @@ fn broken_invariant(hierarchy: &Hierarchy, boxes: &[Aabb]) -> Option<String> {
 
 /// Returns the number of nodes that a point query visits.
 fn visited_nodes(hierarchy: &Hierarchy, point: Vec3A) -> usize {
-    let (mut open, mut count) = (vec![0], 0);
+    let (mut open, mut count) = (vec![0_u32], 0);
     while let Some(index) = open.pop() {
         let node: &HierarchyNode = &hierarchy.nodes[index as usize];
         count += 1;
-        let inside = node.bounds.min.cmple(point).all() && point.cmple(node.bounds.max).all();
+        let Aabb { min, max } = node.bounds();
+        let inside = min.cmple(point).all() && point.cmple(max).all();
         if inside && !node.is_leaf() {
-            open.extend([node.first, node.first + 1]);
+            open.extend(hierarchy.children(index));
         }
     }
     count
@@ -109,7 +111,7 @@ proptest! {
         prop_assert_eq!(broken_invariant(&hierarchy, &boxes), None);
         // Deliberate fault that the check must detect: the check must notice a box outside its node.
         let mut lost = hierarchy;
-        lost.nodes[0].bounds.max = lost.nodes[0].bounds.min;
+        lost.nodes[0].max = lost.nodes[0].min;
         let is_one_point = boxes.iter().all(|bounds| *bounds == boxes[0] && bounds.min == bounds.max);
         prop_assert!(is_one_point || broken_invariant(&lost, &boxes).is_some());
     }

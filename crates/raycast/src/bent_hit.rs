@@ -97,7 +97,7 @@ impl Bvh {
             }
             let accepted =
                 |hit: &BentHit| best.is_none_or(|best| (hit.t, hit.triangle) < (best.t, best.triangle)) && accept(hit);
-            if let Some(hit) = intersect_chord(path, chord, triangle, &self.triangles[triangle], accepted) {
+            if let Some(hit) = intersect_chord(path, chord, triangle, &self.triangle(triangle), accepted) {
                 // No nearer hit starts beyond this share: chord and path are compared at equal u.
                 limit = (hit.t - chord.segment as f64 - start) / (end - start);
                 best = Some(hit);

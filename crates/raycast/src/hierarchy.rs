@@ -1,14 +1,15 @@
-//! Traversal of the bounding-volume hierarchy. Its boxes are in f32, rounded outwards, so that f64 is spent on
-//! triangles only. Boxes have to be safe, not exact.
+//! Traversal of a scene's bounding-volume hierarchy. Its boxes are in f32, so that f64 is spent on triangles only.
 
 use std::fmt;
+use std::sync::Arc;
 
-use glam::{DVec3, Vec3A};
+use glam::DVec3;
 use hierarchy::HierarchyNode;
+use scene::PosedScene;
 
-use crate::{Aabb64, Triangle};
+use crate::Aabb64;
 
-pub(crate) struct TriangleHierarchy(hierarchy::Hierarchy);
+pub(crate) struct TriangleHierarchy(Arc<hierarchy::Hierarchy>);
 
 impl fmt::Debug for TriangleHierarchy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -30,13 +31,13 @@ fn node_cost_steps(node: &HierarchyNode) -> u64 {
 }
 
 impl TriangleHierarchy {
-    pub fn new(triangles: &[Triangle]) -> Self {
-        Self(hierarchy::Hierarchy::new(triangles.iter().map(outward_box)))
+    pub fn new(posed: &PosedScene) -> Self {
+        Self(Arc::clone(posed.hierarchy()))
     }
 
     /// Returns the box around all triangles; `None` if there are none.
     pub fn bounds(&self) -> Option<Aabb64> {
-        let hierarchy::Aabb { min, max } = self.0.nodes.first()?.bounds;
+        let hierarchy::Aabb { min, max } = self.0.nodes.first()?.bounds();
         Some(Aabb64 { min: min.as_dvec3(), max: max.as_dvec3() })
     }
 
@@ -60,7 +61,7 @@ impl TriangleHierarchy {
             if !spend(node_cost_steps(node)) {
                 return;
             }
-            let hierarchy::Aabb { min, max } = node.bounds;
+            let hierarchy::Aabb { min, max } = node.bounds();
             if point.clamp(min.as_dvec3(), max.as_dvec3()).distance(point) > within {
                 continue;
             }
@@ -69,7 +70,7 @@ impl TriangleHierarchy {
                     within = meet(triangle as usize);
                 }
             } else {
-                stack.extend([node.first, node.first + 1]);
+                stack.extend(self.0.children(index));
             }
         }
     }
@@ -80,7 +81,7 @@ impl TriangleHierarchy {
         let Some(root) = self.0.nodes.first() else { return };
         let line = PreparedLine::new(line);
         let mut limit = 1.0;
-        let Some(entry) = line.entry_share(root.bounds) else { return };
+        let Some(entry) = line.entry_share(root.bounds()) else { return };
         let mut stack = vec![(entry, 0_u32)];
         while let Some((entry, index)) = stack.pop() {
             if entry > limit {
@@ -96,14 +97,13 @@ impl TriangleHierarchy {
                 }
                 continue;
             }
-            let child = |k: u32| {
-                let index = node.first + k;
-                line.entry_share(self.0.nodes[index as usize].bounds).map(|entry| (entry, index))
-            };
-            match (child(0), child(1)) {
-                (Some(a), Some(b)) if a.0 <= b.0 => stack.extend([b, a]),
-                (Some(a), Some(b)) => stack.extend([a, b]),
-                (one, other) => stack.extend(one.or(other)),
+            let children = self.0.children(index);
+            let entered =
+                |child: u32| line.entry_share(self.0.nodes[child as usize].bounds()).map(|entry| (entry, child));
+            match children.map(entered) {
+                [Some(a), Some(b)] if a.0 <= b.0 => stack.extend([b, a]),
+                [Some(a), Some(b)] => stack.extend([a, b]),
+                [one, other] => stack.extend(one.or(other)),
             }
         }
     }
@@ -143,13 +143,4 @@ impl PreparedLine {
         // Quotients round too.
         (enter <= leave + 1e-12).then_some(enter)
     }
-}
-
-/// Returns the box of a triangle, with each side rounded outwards.
-fn outward_box(triangle: &Triangle) -> hierarchy::Aabb {
-    let [a, b, c] = triangle.corners;
-    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-    let low = low.to_array().map(|x| (x as f32).next_down());
-    let high = high.to_array().map(|x| (x as f32).next_up());
-    hierarchy::Aabb { min: Vec3A::from(low), max: Vec3A::from(high) }
 }

@@ -31,7 +31,7 @@ impl Bvh {
     ) -> Option<SurfacePoint> {
         let mut best: Option<(f64, SurfacePoint)> = None;
         self.hierarchy.visit_near_point(point, within, spend, |index| {
-            let triangle = &self.triangles[index];
+            let triangle = &self.triangle(index);
             if let Some(weights) = triangle.nearest_barycentrics(point) {
                 let found =
                     SurfacePoint { triangle: index, position: triangle.position_at(weights), barycentrics: weights };

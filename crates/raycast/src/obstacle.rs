@@ -79,7 +79,7 @@ impl Bvh {
 
     /// Returns true if a point of a triangle casts a shadow.
     pub fn casts_shadow_at(&self, linked: &LinkedNodes, triangle: usize, weights: DVec3) -> bool {
-        let triangle = &self.triangles[triangle];
+        let triangle = &self.triangle(triangle);
         linked.casts_shadow(triangle.node) && self.passes_alpha_test(triangle, weights)
     }
 

@@ -59,11 +59,11 @@ impl Bvh {
     /// [`Self::first_hit_budgeted`] does.
     pub fn visible_point_budgeted(&self, ray: &ViewRay, spend: impl Fn(u64) -> bool) -> Option<SeenPoint> {
         let hit = self.first_hit_budgeted(ray.origin, ray.direction, ray.depth_range, spend, |hit| {
-            let triangle = &self.triangles[hit.triangle];
+            let triangle = &self.triangle(hit.triangle);
             let front = triangle.normal().dot(ray.direction) < 0.0;
             (front || self.material(triangle).double_sided) && self.passes_alpha_test(triangle, hit.barycentrics)
         })?;
-        let triangle = &self.triangles[hit.triangle];
+        let triangle = &self.triangle(hit.triangle);
         let face = triangle.normal().normalize();
         let side = if face.dot(ray.direction) < 0.0 { 1.0 } else { -1.0 };
         let position = ray.origin + ray.direction * hit.distance;
@@ -84,7 +84,7 @@ impl Bvh {
     /// Evaluates the smooth surface that the vertex normals of a triangle describe, at a position with those
     /// barycentric weights. Returns its unit normal on the triangle's front and [`SeenPoint::terminator_offset`].
     pub fn smooth_surface_at(&self, triangle: usize, weights: DVec3, position: DVec3) -> (DVec3, f64) {
-        let triangle = &self.triangles[triangle];
+        let triangle = &self.triangle(triangle);
         let primitive = self.primitive(triangle);
         let normal_matrix = self.posed.primitives[triangle.primitive].normal_matrix();
         let normals = triangle.vertices.map(|vertex| {

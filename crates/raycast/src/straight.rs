@@ -51,7 +51,7 @@ impl Bvh {
         let line = ThickLine { from: at(near), to: at(far), radius: 0.0 };
         let mut best: Option<Hit> = None;
         self.hierarchy.visit_along_line(line, spend, |index| {
-            if let Some(hit) = intersect_ray(&self.triangles[index], index, origin, direction)
+            if let Some(hit) = intersect_ray(&self.triangle(index), index, origin, direction)
                 && (near..=far).contains(&hit.distance)
                 && best.is_none_or(|best| (hit.distance, index) < (best.distance, best.triangle))
                 && accept(&hit)

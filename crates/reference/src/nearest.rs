@@ -11,7 +11,7 @@ impl Reference {
     /// A rounded position lies slightly above or below its surface, which then would shadow it.
     pub fn surface_near(&self, point_in_world: DVec3, within: f64) -> Option<DVec3> {
         let solid = |found: &raycast::SurfacePoint| {
-            self.bvh.passes_alpha_test(&self.bvh.triangles[found.triangle], found.barycentrics)
+            self.bvh.passes_alpha_test(&self.bvh.triangle(found.triangle), found.barycentrics)
         };
         let found = self.bvh.nearest(self.in_scene(point_in_world), within, solid)?;
         Some(self.in_world(found.position))

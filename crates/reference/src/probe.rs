@@ -144,7 +144,7 @@ impl Reference {
         share_out(&mut lights);
         let seen = ProbedSurface {
             node: surface.node,
-            material: self.bvh.primitive(&self.bvh.triangles[surface.triangle]).material,
+            material: self.bvh.primitive(&self.bvh.triangle(surface.triangle)).material,
             position: self.in_world(surface.position),
             normal: surface.normal,
             depth: surface.depth,
@@ -213,7 +213,7 @@ impl Reference {
         let found = self.first_occluder(source, linked, surface, sample);
         // An occluder that exists only by rounding lies on the surface itself.
         let (node, position) = found.map_or((surface.node, surface.position), |obstacle| {
-            (self.bvh.triangles[obstacle.triangle].node, obstacle.position)
+            (self.bvh.triangle(obstacle.triangle).node, obstacle.position)
         });
         LightState::Shadowed(ProbedCaster { node, position: self.in_world(position) })
     }

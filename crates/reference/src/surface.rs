@@ -35,7 +35,7 @@ impl Reference {
     /// Back faces are visible if the material is double-sided. Holes of an alpha-tested material are not.
     pub fn surface(&self, view: &View, pixel: DVec2) -> Option<ShadedPoint> {
         let seen = self.bvh.visible_point(&self.ray(view, pixel))?;
-        let triangle = &self.bvh.triangles[seen.triangle];
+        let triangle = &self.bvh.triangle(seen.triangle);
         let material = self.bvh.material(triangle);
         let footprint = self.footprint(view, pixel, triangle, seen.barycentrics);
         let base = self.base_color(triangle, material, &footprint, seen.barycentrics);

@@ -131,7 +131,7 @@ impl Reference {
         }
         let height = surface.terminator_offset * surface.normal.dot(surface.geometric_normal);
         let through = surface.shadow_position() + sample.along_path * (height / -arriving);
-        let triangle = &self.bvh.triangles[surface.triangle];
+        let triangle = &self.bvh.triangle(surface.triangle);
         // At a grazing angle light passes through no point. At height 0 it passes through the point itself.
         height <= 0.0 || triangle.barycentrics_at(through).is_some()
     }
@@ -147,6 +147,6 @@ impl Reference {
     ) -> Option<usize> {
         let path = LightPath::Bent { path: self.bvh.bent_path(tube, coords.v, coords.w), t: coords.t };
         let obstacle = self.bvh.first_obstacle(&path, self.in_scene(point_in_world), linked)?;
-        Some(self.bvh.triangles[obstacle.triangle].node)
+        Some(self.bvh.triangle(obstacle.triangle).node)
     }
 }

@@ -39,7 +39,7 @@ pub use bent::{BentCasters, BentFace, BentMap, BentMapBuilder, BentMapParams, Ma
 pub use composite::{LayerSum, LayerTerm, LayerTerms, add_light, add_sample, display, sum};
 pub use depth_map::DepthMap;
 pub use layer::{DrawnLight, LightLayer, RelitLight, draw_layer, visibility_of};
-pub use scene::{CasterHierarchy, CasterHierarchyNode, CasterLinks, CasterScene};
+pub use scene::{CasterHierarchy, CasterLinks, CasterScene};
 pub use screen::{Exposure, display_radiance};
 pub use shadow_filter::ShadowFilter;
 pub use sixteen::{SolverBatch, solve_batch};

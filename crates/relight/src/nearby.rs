@@ -1,8 +1,9 @@
 //! Ray tests of the last piece of a light path against the scene, one pixel at a time. `nearby.wgsl` has the reasons.
 
 use glam::{Vec3, Vec3Swizzles};
+use hierarchy::HierarchyNode;
 
-use crate::scene::{CasterHierarchyNode, CasterScene, weights_at};
+use crate::scene::{CasterScene, weights_at};
 
 /// Surface that receives light, as the ray tests need it.
 #[derive(Clone, Copy, Debug)]
@@ -69,10 +70,10 @@ pub(crate) fn is_segment_occluded(
     let (half, box_slack) = (0.5 * span, slack + rounding_error(end));
     let mut index = 0;
     while let Some(node) = scene.hierarchy.nodes.get(index) {
-        let is_leaf = node.triangle_count > 0;
+        let is_leaf = node.is_leaf();
         let passed_by = misses_box(node, start + half, half, box_slack);
         if is_leaf && !passed_by {
-            let of_leaf = node.next as usize..(node.next + node.triangle_count) as usize;
+            let of_leaf = node.next as usize..(node.next + node.count) as usize;
             for &triangle in &scene.hierarchy.triangles[of_leaf] {
                 if Some(triangle) != own && segment_hits_triangle(scene, triangle, (start, span), slack) {
                     return true;
@@ -87,7 +88,7 @@ pub(crate) fn is_segment_occluded(
 /// True if no point of a segment lies within `slack` of a node's box. The test uses axes that may separate the two:
 /// those of the box, and their cross products with the segment (Ericson, Real-Time Collision Detection, 5.3.3). The
 /// segment is `middle` plus up to `half` in both directions.
-fn misses_box(node: &CasterHierarchyNode, middle: Vec3, half: Vec3, slack: f32) -> bool {
+fn misses_box(node: &HierarchyNode, middle: Vec3, half: Vec3, slack: f32) -> bool {
     let (min, max) = (Vec3::from(node.min), Vec3::from(node.max));
     let between = 0.5 * (min + max) - middle;
     let box_half = (0.5 + 4.0 * f32::EPSILON) * (max - min) + slack;

@@ -1,6 +1,7 @@
 //! Triangles of the scene in the form that relighting needs.
 
 use glam::Vec3;
+use hierarchy::HierarchyNode;
 
 use crate::alpha_test::AlphaTests;
 
@@ -27,28 +28,12 @@ pub struct CasterScene<'a> {
     pub links: CasterLinks<'a>,
 }
 
-/// Tree of boxes over triangles, depth first.
+/// Tree of boxes over triangles ([`hierarchy::Hierarchy`]), whose leaves name triangles by [`CasterScene`]'s order.
 #[derive(Clone, Copy, Debug)]
 pub struct CasterHierarchy<'a> {
-    /// Each node comes before its descendants.
-    pub nodes: &'a [CasterHierarchyNode],
+    pub nodes: &'a [HierarchyNode],
     /// Triangles in the order of the leaves.
     pub triangles: &'a [u32],
-}
-
-/// Node of the tree. After an inner node that a traversal skips it visits `next`, after any other node the following
-/// one.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct CasterHierarchyNode {
-    /// Least corner.
-    pub min: [f32; 3],
-    /// Number of triangles of a leaf, from `next` on in [`CasterHierarchy::triangles`]; 0 for an inner node.
-    pub triangle_count: u32,
-    /// Greatest corner.
-    pub max: [f32; 3],
-    /// Index of the leaf's first triangle, or of the next node if this one is skipped; see `triangle_count`.
-    pub next: u32,
 }
 
 /// Triangles that a light illuminates, and those that cast its shadows.

@@ -4,11 +4,11 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
+use hierarchy::{Hierarchy, HierarchyNode};
 use light::MAX_EXTENT;
 use scene::{Material, PosedPrimitive, PosedScene};
 use wgpu::{Buffer, BufferUsages};
 
-use crate::hierarchy::Hierarchy;
 use crate::{Gpu, RenderError};
 
 /// Vertices and triangles of a posed scene, in f32, in draw order.
@@ -131,7 +131,7 @@ pub(crate) struct Geometry {
     pub indices: Buffer,
     /// `array<vec4f>`, one per triangle.
     pub planes: Buffer,
-    /// [`crate::gpu_structs::HierarchyNode`]s over all triangles.
+    /// [`HierarchyNode`]s over all triangles.
     pub hierarchy: Buffer,
     /// The triangles in the order of the hierarchy's leaves.
     pub hierarchy_triangles: Buffer,
@@ -143,7 +143,10 @@ pub(crate) struct Geometry {
 #[derive(Debug)]
 pub(crate) struct HostGeometry {
     pub vertices: Vertices,
-    pub hierarchy: Hierarchy,
+    /// Tree of the posed scene.
+    pub hierarchy: Arc<Hierarchy>,
+    /// The triangles in the order of the hierarchy's leaves.
+    pub hierarchy_triangles: Vec<u32>,
 }
 
 impl HostGeometry {
@@ -152,8 +155,8 @@ impl HostGeometry {
         let Vertices { positions, attributes, indices, planes, .. } = &self.vertices;
         let of_triangles = size_of_val(&indices[..]) + size_of_val(&planes[..]);
         let of_vertices = size_of_val(&positions[..]) + size_of_val(&attributes[..]);
-        let Hierarchy { nodes, triangles } = &self.hierarchy;
-        (of_vertices + of_triangles + size_of_val(&nodes[..]) + size_of_val(&triangles[..])) as u64
+        let of_hierarchy = size_of_val(&self.hierarchy.nodes[..]) + size_of_val(&self.hierarchy_triangles[..]);
+        (of_vertices + of_triangles + of_hierarchy) as u64
     }
 }
 
@@ -165,9 +168,15 @@ impl Geometry {
         buffers.map(Buffer::size).sum::<u64>() + self.host.as_ref().map_or(0, |host| host.bytes())
     }
 
-    pub fn new(gpu: &Gpu, vertices: Vertices) -> Result<Self, RenderError> {
-        let hierarchy =
-            gpu.run_in_background(|| Hierarchy::new(&vertices.positions, vertices.indices.as_chunks().0))?;
+    /// Uploads the vertices of a scene, whose triangles are drawn in these `runs`.
+    pub fn new(gpu: &Gpu, scene: &PosedScene, vertices: Vertices, runs: &[DrawRun]) -> Result<Self, RenderError> {
+        let (hierarchy, hierarchy_triangles) = gpu.run_in_background(|| {
+            let hierarchy = Arc::clone(scene.hierarchy());
+            let triangles = in_draw_order(scene, runs, &hierarchy.order);
+            (hierarchy, triangles)
+        })?;
+        // A binding must not be empty.
+        let nodes = if hierarchy.nodes.is_empty() { &[HierarchyNode::NOWHERE] } else { &hierarchy.nodes[..] };
         let storage = BufferUsages::STORAGE;
         let (geometry, indices) = (storage | BufferUsages::VERTEX, storage | BufferUsages::INDEX);
         Ok(Self {
@@ -175,16 +184,27 @@ impl Geometry {
             attributes: upload(gpu, "the scene's vertex attributes in bytes", &vertices.attributes, geometry)?,
             indices: upload(gpu, "the scene's triangle indices in bytes", &vertices.indices, indices)?,
             planes: upload(gpu, "the scene's triangles in bytes", &vertices.planes, storage)?,
-            hierarchy: upload(gpu, "the boxes around the scene's triangles in bytes", &hierarchy.nodes, storage)?,
+            hierarchy: upload(gpu, "the boxes around the scene's triangles in bytes", nodes, storage)?,
             hierarchy_triangles: upload(
                 gpu,
                 "the order of the scene's triangles in bytes",
-                &hierarchy.triangles,
+                &hierarchy_triangles,
                 storage,
             )?,
-            host: gpu.if_native(|| Arc::new(HostGeometry { vertices, hierarchy })),
+            host: gpu.if_native(|| Arc::new(HostGeometry { vertices, hierarchy, hierarchy_triangles })),
         })
     }
+}
+
+/// Converts triangles in the order of the scene's primitives to their places in the draw order.
+fn in_draw_order(scene: &PosedScene, runs: &[DrawRun], triangles: &[u32]) -> Vec<u32> {
+    let mut by_primitive: Vec<_> = runs.iter().collect();
+    by_primitive.sort_by_key(|run| run.primitive);
+    let mut in_draws = Vec::with_capacity(scene.triangle_count());
+    for run in by_primitive {
+        in_draws.extend(run.indices.start / 3..run.indices.end / 3);
+    }
+    triangles.iter().map(|triangle| in_draws[*triangle as usize]).collect()
 }
 
 /// Creates a buffer with `data`. Returns an error if this device cannot hold it; `what` names the data with its unit.

@@ -150,7 +150,7 @@ impl SceneOnDevice {
         let casters = Casters::new(gpu, (&vertices, opaque_indices as usize), mesh_error)?;
         gpu.yield_point()?;
         let (triangle_count, runs) = (vertices.planes.len() as u32, std::mem::take(&mut vertices.runs));
-        let geometry = Geometry::new(gpu, vertices)?;
+        let geometry = Geometry::new(gpu, posed, vertices, &runs)?;
         gpu.yield_point()?;
         let fill = gpu_structs::Fill {
             sky: scene.fill.sky.as_vec3().to_array(),

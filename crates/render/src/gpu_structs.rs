@@ -54,15 +54,6 @@ gpu_structs! {
         pad4: [f32; 2],
     }
 
-    /// Node of the bounding-volume hierarchy over a scene's triangles, in `nearby.wgsl`. Nodes are in depth-first
-    /// order.
-    HierarchyNode {
-        min: [f32; 3],
-        triangle_count: u32,
-        max: [f32; 3],
-        next: u32,
-    }
-
     /// Uniform of a glTF material in `material.wgsl`, without its textures.
     Material {
         base_color: [f32; 4],

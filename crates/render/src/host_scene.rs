@@ -13,10 +13,7 @@ pub(crate) fn caster_scene<'a>(scene: &'a GpuScene, linked: Option<&'a LinkedCas
         positions: &vertices.positions,
         indices: &vertices.indices,
         planes: &vertices.planes,
-        hierarchy: CasterHierarchy {
-            nodes: bytemuck::cast_slice(&host.hierarchy.nodes),
-            triangles: &host.hierarchy.triangles,
-        },
+        hierarchy: CasterHierarchy { nodes: &host.hierarchy.nodes, triangles: &host.hierarchy_triangles },
         attributes: bytemuck::cast_slice(&vertices.attributes),
         opaque_triangles: scene.opaque_indices / 3,
         alpha_tests: scene.alpha_tests.as_ref().map_or_else(AlphaTests::default, |tests| tests.host()),

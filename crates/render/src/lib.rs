@@ -35,7 +35,6 @@ mod gbuffer;
 mod geometry;
 mod gpu_scene;
 mod gpu_structs;
-mod hierarchy;
 mod host_scene;
 mod in_view;
 mod layers;

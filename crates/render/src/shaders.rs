@@ -77,7 +77,9 @@ mod twins;
 #[cfg(test)]
 mod tests {
     use std::collections::{BTreeMap, BTreeSet};
+    use std::mem::offset_of;
 
+    use hierarchy::HierarchyNode;
     use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
     use wgpu::naga::{AddressSpace, Function, Handle, Module, Statement, TypeInner, front::wgsl};
 
@@ -142,8 +144,20 @@ mod tests {
         assert_eq!(functions(&module), (["lost", "used"].into(), ["used"].into()));
     }
 
+    /// Layout of the node that the crate `hierarchy` shares with `nearby.wgsl`.
+    const HIERARCHY_NODE: StructLayout = (
+        "HierarchyNode",
+        size_of::<HierarchyNode>(),
+        &[
+            ("min", offset_of!(HierarchyNode, min)),
+            ("count", offset_of!(HierarchyNode, count)),
+            ("max", offset_of!(HierarchyNode, max)),
+            ("next", offset_of!(HierarchyNode, next)),
+        ],
+    );
+
     fn rust_structs() -> impl Iterator<Item = &'static StructLayout> {
-        gpu_structs::LAYOUTS.iter().chain(bendy_light::gpu_structs::LAYOUTS)
+        gpu_structs::LAYOUTS.iter().chain(bendy_light::gpu_structs::LAYOUTS).chain([&HIERARCHY_NODE])
     }
 
     /// Size, and the name and offset of each field.

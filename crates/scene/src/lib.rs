@@ -13,6 +13,7 @@ mod depth_complexity;
 mod node_tree;
 mod pose;
 mod scene;
+mod triangle_hierarchy;
 mod view;
 mod view_ray;
 

@@ -4,8 +4,10 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use hierarchy::Hierarchy;
 use light::SceneBounds;
 
+use crate::triangle_hierarchy::triangle_hierarchy;
 use crate::{NodeTree, Primitive, Scene};
 
 /// Maximum height of a floor, and of its top above the bottom of the scene, as a share of the scene's size.
@@ -31,6 +33,8 @@ pub struct PosedScene {
     pub positions: Vec<DVec3>,
     /// Paths of the nodes, made on first use.
     nodes: OnceLock<NodeTree>,
+    /// Tree of boxes, made on first use.
+    hierarchy: OnceLock<Arc<Hierarchy>>,
     pub(crate) depth_complexity: OnceLock<f64>,
 }
 
@@ -96,6 +100,18 @@ impl PosedScene {
     /// Returns the paths of the scene's nodes, built on the first call.
     pub fn node_tree(&self) -> &NodeTree {
         self.nodes.get_or_init(|| NodeTree::new(&self.scene))
+    }
+
+    /// Returns the tree of boxes over all triangles, built on the first call: one for rays on processors and on GPUs. A triangle's
+    /// index is its place in the order of [`Self::primitives`]. Boxes are in scene space, rounded outwards to f32.
+    pub fn hierarchy(&self) -> &Arc<Hierarchy> {
+        self.hierarchy.get_or_init(|| {
+            let corners = self.primitives.iter().flat_map(|primitive| {
+                let positions = &self.positions[primitive.first_vertex..];
+                self.triangles(primitive).map(|triangle| triangle.map(|vertex| positions[vertex as usize]))
+            });
+            Arc::new(triangle_hierarchy(corners))
+        })
     }
 
     pub fn triangle_count(&self) -> usize {

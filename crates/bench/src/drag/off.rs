@@ -102,7 +102,7 @@ fn nearest_on_light_path(
     let far = 4.0 * (size + (tube.placement.translation - stage.origin()).length());
     let t_end = tube.n as f64 + if tube.segments.len() > tube.n { far / speed } else { 0.0 };
     bvh.first_bent_hit(&path, t_end, |hit| {
-        if hit.t > after && bvh.passes_alpha_test(&bvh.triangles[hit.triangle], hit.barycentrics) {
+        if hit.t > after && bvh.passes_alpha_test(&bvh.triangle(hit.triangle), hit.barycentrics) {
             met.borrow_mut().push(hit.position);
         }
         false

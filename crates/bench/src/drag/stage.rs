@@ -55,7 +55,7 @@ impl TrialScene {
         let path = bvh.bent_path(light.tube()?, coords.v, coords.w);
         let near = CONTACT * surface.depth;
         let hit = bvh.first_bent_hit(&path, coords.t, |hit| {
-            let is_solid = bvh.passes_alpha_test(&bvh.triangles[hit.triangle], hit.barycentrics);
+            let is_solid = bvh.passes_alpha_test(&bvh.triangle(hit.triangle), hit.barycentrics);
             is_solid && hit.position.distance(surface.position) > near
         })?;
         Some(hit.position)

@@ -32,12 +32,12 @@ impl Demo {
     fn new(loaded: &LoadedScene) -> Self {
         let light = &loaded.contents.lights[0];
         let reference = Reference::new(scene::pose(loaded.scene.clone()));
-        let triangles = &reference.bvh.triangles;
+        let bvh = &reference.bvh;
         let mut seed = 1;
         let points = (0..600).map(|_| {
-            let triangle = &triangles[(random(&mut seed) * triangles.len() as f64) as usize];
+            let triangle = bvh.triangle((random(&mut seed) * bvh.triangle_count() as f64) as usize);
             let (a, b) = (random(&mut seed).sqrt(), random(&mut seed));
-            triangle.position_at(DVec3::new(1.0 - a, a * (1.0 - b), a * b)) + reference.bvh.posed.origin_in_world
+            triangle.position_at(DVec3::new(1.0 - a, a * (1.0 - b), a * b)) + bvh.posed.origin_in_world
         });
         let points = points.collect();
         Self { reference, tube: light.tube().expect("the demo's light is bent").clone(), points }

@@ -12,7 +12,7 @@ fn pool_center(scene: &TestScene, light: &CheckedLight) -> Option<(DVec3, usize)
     let tube = light.tube()?;
     let path = scene.bvh.bent_path(tube, 0.0, 0.0);
     let hit = scene.bvh.first_bent_hit(&path, tube.n as f64, |_| true)?;
-    Some((hit.position, scene.bvh.triangles[hit.triangle].node))
+    Some((hit.position, scene.bvh.triangle(hit.triangle).node))
 }
 
 /// Makes drags of hotspots over 10 to 60 pixels between places of one surface that faces the light, which its axis meets

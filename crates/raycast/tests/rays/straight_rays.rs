@@ -21,7 +21,7 @@ fn sheet(n: u32, world_from_local: DAffine3) -> Bvh {
 
 /// Finds the nearest hit by a test of every triangle.
 fn search(bvh: &Bvh, origin: DVec3, direction: DVec3) -> Option<(f64, usize)> {
-    let hits = bvh.triangles.iter().enumerate().filter_map(|(index, triangle)| {
+    let hits = bvh.triangles().enumerate().filter_map(|(index, triangle)| {
         let normal = triangle.normal();
         let distance = normal.dot(triangle.corners[0] - origin) / normal.dot(direction);
         let on = triangle.barycentrics_at(origin + direction * distance).is_some();
@@ -64,7 +64,7 @@ fn no_ray_slips_between_neighbours() {
             local.x.abs() < 0.99 && local.z.abs() < 0.99
         };
         let mut aimed = 0;
-        for triangle in &bvh.triangles {
+        for triangle in bvh.triangles() {
             for k in 0..3 {
                 let (a, b) = (triangle.corners[k], triangle.corners[(k + 1) % 3]);
                 for target in [a, (a + b) / 2.0].into_iter().filter(|target| inner(*target)) {

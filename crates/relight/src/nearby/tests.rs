@@ -1,11 +1,11 @@
 //! Separating-axis test of boxes and segments.
 
 use glam::{DVec3, Vec3};
+use hierarchy::HierarchyNode;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 
 use super::{misses_box, rounding_error};
-use crate::CasterHierarchyNode;
 
 /// Box and segment.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ impl Case {
     }
 
     fn is_missed(&self) -> bool {
-        let node = CasterHierarchyNode { min: self.min.into(), max: self.max.into(), triangle_count: 0, next: 0 };
+        let node = HierarchyNode { min: self.min.into(), max: self.max.into(), count: 0, next: 0 };
         misses_box(&node, self.start + 0.5 * self.span, 0.5 * self.span, self.slack())
     }
 

@@ -6,7 +6,7 @@
 struct HierarchyNode {
     min: vec3f,
     // Number of triangles of a leaf, from `next` on in `hierarchy_triangles`. Zero: the node has children.
-    triangle_count: u32,
+    count: u32,
     max: vec3f,
     next: u32,
 }
@@ -91,9 +91,9 @@ fn is_met(start: vec3f, way: vec3f, own: u32, depth: f32) -> bool {
     var index = 0u;
     while index < end && !met {
         let node = hierarchy[index];
-        let is_leaf = node.triangle_count > 0u;
+        let is_leaf = node.count > 0u;
         let passed_by = is_beside(node, start + 0.5 * way, 0.5 * way, room);
-        let count = select(node.triangle_count, 0u, passed_by);
+        let count = select(node.count, 0u, passed_by);
         for (var k = 0u; k < count; k++) {
             let triangle = hierarchy_triangles[node.next + k];
             let plane = planes[triangle];

@@ -1,6 +1,7 @@
 //! Shadows of a board, with known outlines.
 
 use glam::{Mat3, Mat4, Vec2, Vec3};
+use hierarchy::HierarchyNode;
 use light::parameters::CONE_ANGLE;
 use light::{CheckedLight, Light};
 
@@ -12,7 +13,7 @@ use super::{OMNI_MAP, SPOT_MAP, SUN_MAP};
 use crate::lanes::{F32s, LANES, U32s, Vec3s};
 use crate::shape::RelitShape;
 use crate::surfaces::SurfaceLanes;
-use crate::{AlphaTests, CasterHierarchy, CasterHierarchyNode, CasterLinks, CasterScene, DepthMap, Workers};
+use crate::{AlphaTests, CasterHierarchy, CasterLinks, CasterScene, DepthMap, Workers};
 
 /// Number of texels along each side of a map.
 pub(super) const SIDE: usize = 256;
@@ -50,8 +51,7 @@ impl Board {
 
 const INDICES: [u32; 6] = [0, 1, 2, 0, 2, 3];
 /// Node far from everything, so no ray test finds a triangle.
-const FAR_NODE: CasterHierarchyNode =
-    CasterHierarchyNode { min: [1e6; 3], triangle_count: 0, max: [1e6 + 1.0; 3], next: u32::MAX };
+const FAR_NODE: HierarchyNode = HierarchyNode { min: [1e6; 3], count: 0, max: [1e6 + 1.0; 3], next: u32::MAX };
 
 /// Makes the scene of the board.
 pub(super) fn scene(attributes: &[[f32; 9]], opaque_triangles: u32) -> CasterScene<'_> {
