@@ -57,7 +57,7 @@ test("the label of a drag has the residual, what changes, and the alternative", 
     "Narrower",
   ]);
   expect(dragLines({ ...OUTCOME, relaxed: ["softPins", "picture"] }, null, null)).toEqual([
-    "To get there soft pins do not hold, the rest of the picture counts less",
+    "To get there soft pins do not count, the rest of the picture counts less",
   ]);
   expect(dragLines({ ...OUTCOME, changedShare: 0.2 }, null, null)).toEqual(["changes 20\u00a0%"]);
   expect(dragLines({ ...OUTCOME, pinnedChange: 0.012 }, null, null)).toEqual([

@@ -98,6 +98,34 @@ fn no_boxes_make_an_empty_hierarchy() {
     assert_eq!(Hierarchy::new([]), Hierarchy::default());
 }
 
+/// Walks the nodes without a stack, as `nearby.wgsl` does: after a skipped node to `next`. Returns the boxes of all leaves that
+/// contain `point`, and the number of visited nodes.
+fn walk(nodes: &[HierarchyNode], order: &[u32], point: [f32; 3]) -> (Vec<u32>, usize) {
+    let (mut found, mut visited, mut index) = (Vec::new(), 0, 0);
+    while let Some(node) = nodes.get(index) {
+        visited += 1;
+        let inside = (0..3).all(|k| node.min[k] <= point[k] && point[k] <= node.max[k]);
+        if inside && node.is_leaf() {
+            found.extend(&order[node.next as usize..][..node.count as usize]);
+        }
+        index = if inside || node.is_leaf() { index + 1 } else { node.next as usize };
+    }
+    (found, visited)
+}
+
+#[test]
+fn a_walk_without_a_stack_finds_each_box_and_skips_the_rest() {
+    let places = (0..400_u16).map(|k| [f32::from(k / 20), f32::from(k % 20), 0.0]);
+    let hierarchy = Hierarchy::new(places.clone().map(|corner| at(corner, [0.01, 0.01, 0.0])));
+    for (index, corner) in places.enumerate() {
+        let (found, visited) = walk(&hierarchy.nodes, &hierarchy.order, corner);
+        assert!(found.contains(&(index as u32)), "box {index}: {found:?}");
+        assert!(visited < hierarchy.nodes.len() / 4, "{visited} of {}", hierarchy.nodes.len());
+    }
+    assert_eq!(walk(&hierarchy.nodes, &hierarchy.order, [0.5, 0.5, 0.0]).0, []);
+    assert_eq!(walk(&[HierarchyNode::NOWHERE], &[], [0.0; 3]), (Vec::new(), 1));
+}
+
 proptest! {
     #[test]
     fn each_box_is_held_once(

@@ -28,7 +28,7 @@ const REASONS: { [R in Exclude<DragReason, "limited">]: string } = {
 
 const RELAXED: { [C in DragConstraint]: string } = {
   picture: "the rest of the picture counts less",
-  softPins: "soft pins do not hold",
+  softPins: "soft pins do not count",
   radii: "the light gets narrower",
 };
 
