@@ -23,7 +23,7 @@ use crate::pictures::{alone, compared_size, expected, save_panels, shared_asset}
 
 fn renderer(scene: &Scene) -> Renderer {
     let mut renderer = crate::pictures::renderer();
-    renderer.set_scene(&scene::pose(scene.clone())).expect("the scene fits");
+    renderer.set_scene(&scene::pose(scene.clone(), 0.0)).expect("the scene fits");
     renderer
 }
 
@@ -232,7 +232,7 @@ impl Coverage {
 /// Coverage by the reference, with 16 samples per pixel and with one. The noise of the 16 is a quarter of that of the one,
 /// which adds a thirty-second to the quotient of two noises at most, and 0.2 % to an area.
 fn truth(scene: &Scene, views: &[View]) -> (Coverage, Coverage) {
-    let reference = Reference::new(scene::pose(scene.clone()));
+    let reference = Reference::new(scene::pose(scene.clone(), 0.0));
     (Coverage::cast(&reference, views, 4), Coverage::cast(&reference, views, 1))
 }
 
@@ -302,7 +302,7 @@ fn flowers_of_shared_assets_cover_what_they_should() {
     for mesh in meshes {
         mesh.primitives.retain(|primitive| materials[primitive.material].alpha_cutoff.is_some());
     }
-    let posed = scene::pose(scene.clone());
+    let posed = scene::pose(scene.clone(), 0.0);
     let (middle, reach) = (posed.origin_in_world, posed.half_extent.length());
     let averaged = Scene { images: scene.images.iter().map(|image| averaged(image, 6)).collect(), ..scene.clone() };
     // The total number of pixels is equal, and the flowers have a tenth of them.

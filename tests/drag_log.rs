@@ -43,7 +43,7 @@ fn demo() -> (Bvh, Viewport, Document) {
     let light = Command::AddLight(Arc::clone(&demo.contents.lights[0]));
     let added = document::execute_command(&document, &light, CommandContext::default()).expect("a light is added");
     document.apply(&added.changes).expect("it is new");
-    (Bvh::new(scene::pose(demo.scene)), view, document)
+    (Bvh::new(scene::pose(demo.scene, 0.0)), view, document)
 }
 
 /// A drag of a random feature between random pixels, of the whole light or of some control points.

@@ -33,7 +33,7 @@ fn scene_files(folder: &Path) -> Vec<PathBuf> {
 /// Mean radiance of the visible surfaces, from the scene's first camera or, without one, from the camera that frames
 /// it.
 fn mean_radiance(renderer: &mut Renderer, loaded: &LoadedScene) -> f64 {
-    let posed = scene::pose(loaded.scene.clone());
+    let posed = scene::pose(loaded.scene.clone(), 0.0);
     let first = loaded.contents.cameras.first().cloned();
     let camera = first.unwrap_or_else(|| framing_camera(&posed.subject_bounds(), DEFAULT_ASPECT));
     let number = |(light, id)| LightInstance { id: light::LightId(id), light };

@@ -57,7 +57,7 @@ static SHELF: LazyLock<(Arc<PosedScene>, View)> = LazyLock::new(|| {
     scene.images.push(Image { width: 3, height: 3, rgba8 });
     scene.check().expect("sound");
     let view = View { fill: 0.0, ..View::beauty(loaded.contents.cameras[0].clone(), SIZE) };
-    (scene::pose(scene), view)
+    (scene::pose(scene, 0.0), view)
 });
 
 /// The demo's own light, and a spotlight from the same side.

@@ -107,7 +107,7 @@ fn compare(scene: &Arc<PosedScene>, view: &View, light: &Light, name: &str) -> P
 /// a spotlight and for the BendyLight that equals it.
 #[test]
 fn very_wide_lights_keep_their_shadows() {
-    let scene = scene::pose(room());
+    let scene = scene::pose(room(), 0.0);
     let view = room_view();
     for angle in [50.0, 61.0, 75.0, 85.0, 88.0, 89.9] {
         for (kind, light) in pair(DVec3::new(0.2, 2.2, 0.1), DVec3::new(0.1, 0.0, 0.25), angle) {
@@ -163,7 +163,7 @@ fn on_floor(mut scene: Scene) -> Scene {
 /// the floor is lit, at any distance along the light, also if the light is bent.
 #[test]
 fn a_floor_beyond_the_map_is_lit() {
-    let scene = scene::pose(on_floor(boxes(&[([0.3; 3], 0.3, [0.0, 0.28, 0.0])])));
+    let scene = scene::pose(on_floor(boxes(&[([0.3; 3], 0.3, [0.0, 0.28, 0.0])])), 0.0);
     let view = view(DVec3::new(0.4, 4.4, 3.4), DVec3::ZERO);
     let [_, (_, straight)] = pair(DVec3::new(-1.2, 4.2, 1.8), DVec3::ZERO, 26.0);
     let bent = |bow: f64| {
@@ -195,12 +195,12 @@ fn a_map_is_as_fine_as_what_is_in_the_light() {
     let tube =
         Light::bendy(points, vec![10.0; 4]).with_transform(Transform { translation: source, rotation, scale: 1.0 });
     for (name, light) in [("spot", spot), ("tube", tube)] {
-        let fitted = displacement(&scene::pose(table(&[])), &view, &light, &format!("fitted-{name}"));
-        let coarse = displacement(&scene::pose(table(&crumbs)), &view, &light, &format!("coarse-{name}"));
+        let fitted = displacement(&scene::pose(table(&[]), 0.0), &view, &light, &format!("fitted-{name}"));
+        let coarse = displacement(&scene::pose(table(&crumbs), 0.0), &view, &light, &format!("coarse-{name}"));
         println!("{name}: edges displaced by {fitted:.3} pixels fitted, {coarse:.3} with crumbs at the rim");
         assert!(fitted * 4.0 < coarse, "{name}: {fitted} pixels fitted, {coarse} with crumbs at the rim");
         // Nothing is behind a floor that is the lower side of the scene, so the map need not contain it.
-        let floored = displacement(&scene::pose(on_floor(table(&[]))), &view, &light, &format!("floored-{name}"));
+        let floored = displacement(&scene::pose(on_floor(table(&[])), 0.0), &view, &light, &format!("floored-{name}"));
         println!("{name}: {floored:.3} pixels over a floor as wide as the light");
         assert!(floored * 4.0 < coarse, "{name}: {floored} pixels over a floor, {coarse} with crumbs at the rim");
     }
@@ -218,7 +218,7 @@ fn no_line_shows_where_faces_meet() {
         };
         boxes(&[vec![([5.0, 0.1, 5.0], 0.0, [0.0, -0.1, 0.0])], (0..9).map(bar).collect()].concat())
     };
-    let scene = scene::pose(bars(0.0));
+    let scene = scene::pose(bars(0.0), 0.0);
     let view = view(DVec3::new(2.6, 4.0, 2.4), DVec3::new(1.5, 0.0, 1.3));
     let (source, below) = (DVec3::new(0.0, 2.0, 0.0), DVec3::new(0.02, 0.0, 0.01));
     let tan = 80.0_f64.to_radians().tan();
@@ -236,7 +236,7 @@ fn no_line_shows_where_faces_meet() {
         assert_eq!(wrong, [0; 0], "{name}: of {}", compared.count());
 
         // The planted fault: the picture of the front face if it was drawn rotated by three degrees.
-        let turned = drawn(&scene::pose(bars(0.05)), &view, &light);
+        let turned = drawn(&scene::pose(bars(0.05), 0.0), &view, &light);
         let mut patched = picture;
         for (pixel, value) in patched.pixels.iter_mut().enumerate() {
             if slope(pixel) < 1.0 {
@@ -252,10 +252,10 @@ fn no_line_shows_where_faces_meet() {
 /// scene if the light comes from below.
 #[test]
 fn floors_shade_what_is_behind_them() {
-    let scene = scene::pose(on_floor(boxes(&[
-        ([0.5, 0.5, 0.05], 0.3, [1.5, 0.6, 0.0]),
-        ([0.2, 0.2, 0.2], 0.1, [-1.0, 0.4, 0.2]),
-    ])));
+    let scene = scene::pose(
+        on_floor(boxes(&[([0.5, 0.5, 0.05], 0.3, [1.5, 0.6, 0.0]), ([0.2, 0.2, 0.2], 0.1, [-1.0, 0.4, 0.2])])),
+        0.0,
+    );
     let view = view(DVec3::new(-1.0, 1.6, 3.4), DVec3::new(0.4, 0.3, 0.0));
     // Down through the floor and up again behind it.
     let points = [[0.0, 0.0, 0.0], [0.4, -1.0, 0.0], [1.2, -1.5, -0.2], [2.2, -0.4, -0.3], [2.6, 1.5, -0.4]];
@@ -270,7 +270,7 @@ fn floors_shade_what_is_behind_them() {
 /// The GPU, the reference and picks share one posed scene: none of them poses it again.
 #[test]
 fn a_scene_is_posed_once() {
-    let scene = scene::pose(room());
+    let scene = scene::pose(room(), 0.0);
     let mut renderer = renderer();
     renderer.set_scene(&scene).expect("it fits");
     let reference = Reference::new(Arc::clone(&scene));
@@ -281,6 +281,6 @@ fn a_scene_is_posed_once() {
     assert!((hit.distance - 1.8).abs() < 1e-12, "{}", hit.distance);
     assert!(Arc::ptr_eq(&reference.bvh.posed, &scene));
     // Another scene releases it.
-    renderer.set_scene(&scene::pose(Scene::default())).expect("it fits");
+    renderer.set_scene(&scene::pose(Scene::default(), 0.0)).expect("it fits");
     assert_eq!(Arc::strong_count(&scene), 2);
 }

@@ -158,7 +158,7 @@ fn a_floor_never_shadows_itself() {
         let at = |[x, y, z]: [f64; 3]| (origin + DVec3::new(x, y, z)).to_array();
         let floor = ([50.0, 0.1, 50.0], 0.0, at([0.0, -0.1, 0.0]));
         let with_post = |x: f64| boxes(&[floor, ([0.1, 0.7, 0.1], 0.3, at([x, 0.7, -0.3]))]);
-        let scene = scene::pose(with_post(0.4));
+        let scene = scene::pose(with_post(0.4), 0.0);
         let reference = Reference::new(Arc::clone(&scene));
         let view = view(origin + DVec3::new(0.4, 0.9, 3.0), origin);
         let suns = [80_f64, 30.0, 10.0, 2.0, 0.5, 0.1].map(|degrees| {
@@ -181,7 +181,7 @@ fn a_floor_never_shadows_itself() {
             assert_eq!(found, [0; 0], "{name} at {origin}");
             if name == "sun 30" {
                 // The planted fault: the post is at another position.
-                let other = drawn(&scene::pose(with_post(0.8)), &view, &lights);
+                let other = drawn(&scene::pose(with_post(0.8), 0.0), &view, &lights);
                 assert!(compared.wrong(&other).len() > 100, "{name}: a post elsewhere goes unseen");
             }
         }
@@ -200,7 +200,7 @@ fn a_directional_lights_shadow_is_where_rays_say() {
         [0.5, 0.1, 1.0],
         [0.0, 1.0, 0.0],
     ];
-    let reference = Reference::new(scene::pose(room()));
+    let reference = Reference::new(scene::pose(room(), 0.0));
     for (index, direction) in directions.into_iter().enumerate() {
         let light = sun(DVec3::from_array(direction));
         let counts = compare(&reference, &room_views(), &light, &light, &format!("sun-{index}"));
@@ -219,14 +219,14 @@ fn a_directional_lights_shadow_is_where_rays_say() {
 fn an_omni_lights_shadow_is_where_rays_say() {
     let at = DVec3::new(0.2, 1.7, 0.1);
     let light = bulb(at);
-    let reference = Reference::new(scene::pose(room()));
+    let reference = Reference::new(scene::pose(room(), 0.0));
     compare(&reference, &room_views(), &light, &light, "bulb").assert_right("the whole light");
     let moved = light.clone().with(TRANSLATION, at + DVec3::new(0.1, 0.0, 0.0));
     let planted = compare(&reference, &room_views(), &light, &moved, "bulb-planted");
     assert!(planted.wrong > 100, "the planted fault is seen");
 
     // Each face alone, in a room with posts before each wall, seen from the light's side.
-    let reference = Reference::new(scene::pose(posts()));
+    let reference = Reference::new(scene::pose(posts(), 0.0));
     let light = bulb(DVec3::ZERO);
     for axis in axes() {
         let direction = light.get(ROTATION) * axis;
@@ -278,7 +278,7 @@ fn closed(half: f64) -> Vec<([f64; 3], f64, [f64; 3])> {
 /// Inside, every wall is lit up to its edges; outside, nothing is.
 #[test]
 fn an_omni_light_in_a_closed_box_lights_every_wall_and_leaks_nowhere() {
-    let scene = scene::pose(boxes(&closed(2.0)));
+    let scene = scene::pose(boxes(&closed(2.0)), 0.0);
     let light = alone(&bulb(DVec3::new(0.7, -0.4, 0.9)));
     let lit = |picture: &Picture| picture.pixels.iter().filter(|pixel| pixel[0] > 0.0).count();
     for axis in axes() {
@@ -297,7 +297,7 @@ fn an_omni_light_in_a_closed_box_lights_every_wall_and_leaks_nowhere() {
     let mut parts = closed(2.0);
     parts[0].2[0] += 0.5;
     parts.push(([8.0, 0.1, 8.0], 0.0, [0.0, -4.1, 0.0]));
-    let leaking = scene::pose(boxes(&parts));
+    let leaking = scene::pose(boxes(&parts), 0.0);
     let seen = drawn(&leaking, &view(DVec3::new(9.0, 1.0, 3.0), DVec3::new(3.7, -4.0, 0.0)), &light);
     save_colors("leaking", &seen, &[]);
     assert!(lit(&seen) > 100, "{} pixels are lit", lit(&seen));
@@ -327,7 +327,7 @@ fn relative_rmse(scene: &Arc<PosedScene>, view: &View, lights: &[Light], planted
 /// Away from edges pictures are within 1e-3 of the reference: the difference is f32 rounding.
 #[test]
 fn pictures_are_those_of_the_reference() {
-    let scene = scene::pose(room());
+    let scene = scene::pose(room(), 0.0);
     let window = |light: Light| light.with(WIDTH, Some(4.0)).with(HEIGHT, Some(2.5));
     let lights = [
         ("sun", sun(DVec3::new(1.0, 1.0, 0.4))),
@@ -349,7 +349,7 @@ fn pictures_are_those_of_the_reference() {
 /// A directional light through its window, two omni lights and a spotlight together.
 #[test]
 fn lights_of_all_shapes_add_up() {
-    let scene = scene::pose(room());
+    let scene = scene::pose(room(), 0.0);
     let spot = aimed(Light::spot(), DVec3::new(-3.0, 3.5, 2.5), DVec3::new(0.3, 0.6, -0.4))
         .with(CONE_ANGLE, 30.0)
         .with(INTENSITY, 40.0);
@@ -371,7 +371,7 @@ fn lights_of_all_shapes_add_up() {
 #[test]
 fn culling_changes_no_picture() {
     let mut renderer = renderer();
-    let scene = scene::pose(room());
+    let scene = scene::pose(room(), 0.0);
     let spot = lamp(DVec3::new(2.5, 3.0, 2.0), DVec3::ZERO).with(CONE_ANGLE, 25.0).with(RANGE, Some(9.0));
     let bent = light::bend(&spot, 3).expect("a cone").map_points(|k, point| {
         point.position.x += [0.0, 0.2, 0.6, 0.2, 0.0][k];

@@ -76,7 +76,7 @@ fn demo() -> (Arc<PosedScene>, View, Vec<Light>) {
     let omni = Light::omni().with(TRANSLATION, DVec3::new(-0.4, 1.7, 0.9)).with(INTENSITY, 4.0);
     let sun = Light::directional().with(TRANSLATION, source).with(ROTATION, aimed).with(INTENSITY, 3.0);
     let sun = sun.with(WIDTH, Some(1.8)).with(HEIGHT, Some(1.4));
-    (scene::pose(Scene { fill, ..loaded.scene }), view, vec![bent, spot, omni, sun])
+    (scene::pose(Scene { fill, ..loaded.scene }, 0.0), view, vec![bent, spot, omni, sun])
 }
 
 /// Other values for a parameter: one, or every other one of a choice. Links exclude `node`.

@@ -62,7 +62,7 @@ fn light() -> Light {
 fn error(scene: &Scene, drawn: &Scene) -> f64 {
     let subject = ComparisonSubject::new("wall", scene.clone(), light(), view());
     let mut renderer = renderer();
-    renderer.set_scene(&scene::pose(drawn.clone())).expect("the scene fits");
+    renderer.set_scene(&scene::pose(drawn.clone(), 0.0)).expect("the scene fits");
     let drawn = RenderedSubject::under(&mut renderer, &subject, &alone(&light()), ShadowSettings::default());
     let expected = ExpectedPicture::new(&subject, || {}).expect("the light is valid");
     let found = expected.compare(&drawn.expect("it can be drawn"));

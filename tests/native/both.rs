@@ -43,7 +43,7 @@ impl ViewedScene {
     /// View of a scene by its own camera.
     pub fn at(loaded: &LoadedScene) -> Self {
         let view = View::beauty(loaded.contents.cameras[0].clone(), SIZE);
-        Self { scene: scene::pose(loaded.scene.clone()), view, shadows: ShadowSettings::default() }
+        Self { scene: scene::pose(loaded.scene.clone(), 0.0), view, shadows: ShadowSettings::default() }
     }
 
     /// Calls `work` with both renderers, which have the scene and the settings.

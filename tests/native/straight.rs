@@ -17,7 +17,7 @@ use crate::boxes::{self, aimed, room, room_view};
 
 /// View of the room of boxes, which is posed once.
 fn in_room() -> ViewedScene {
-    static ROOM: LazyLock<Arc<PosedScene>> = LazyLock::new(|| scene::pose(room()));
+    static ROOM: LazyLock<Arc<PosedScene>> = LazyLock::new(|| scene::pose(room(), 0.0));
     let view = View { aov: Aov::Beauty, width: SIZE[0], height: SIZE[1], ..room_view() };
     ViewedScene { scene: Arc::clone(&ROOM), view, shadows: ShadowSettings::default() }
 }

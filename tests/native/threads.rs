@@ -13,7 +13,7 @@ fn show_demo(backend: Backend) {
     let loaded = demo("vases");
     let light: &Light = loaded.contents.lights[0].light();
     let mut renderer = renderer_of(backend);
-    renderer.set_scene(&scene::pose(loaded.scene.clone())).expect("the scene fits");
+    renderer.set_scene(&scene::pose(loaded.scene.clone(), 0.0)).expect("the scene fits");
     let view = View::beauty(loaded.contents.cameras[0].clone(), SIZE);
     let bytes = renderer.render_display(&view, &alone(light)).expect("it can be drawn");
     let tasks = std::fs::read_dir("/proc/self/task").expect("the threads of this process");

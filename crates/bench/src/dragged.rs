@@ -147,7 +147,7 @@ mod tests {
 
     fn vases() -> (Light, std::sync::Arc<PosedScene>) {
         let loaded = assets::demo("vases").expect("the demo");
-        (loaded.contents.lights[0].light().clone(), scene::pose(loaded.scene))
+        (loaded.contents.lights[0].light().clone(), scene::pose(loaded.scene, 0.0))
     }
 
     /// The constant `RADIUS_SHARE` is rounded to seven digits.

@@ -80,7 +80,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
     let Args { segments, cone_angle, toward, .. } = *args;
     let request = BendRequest { segments, range: None, cone_angle, toward };
-    let bending = scene.map_or(request, |scene| request.filled_in_from_scene(light, &Bvh::new(scene::pose(scene))));
+    let bending =
+        scene.map_or(request, |scene| request.filled_in_from_scene(light, &Bvh::new(scene::pose(scene, 0.0))));
     let bendy = bending.bend(light).map_err(|reason| Error::BadLight { file, reason })?;
     Ok(print_answer(&light_file::to_json(&bendy))?)
 }

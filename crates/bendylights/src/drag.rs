@@ -69,7 +69,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     print_notes(&notes);
     let whose_lights = lights_from(&args.scene, args.lights.as_deref());
     let lights = contents.lights;
-    let bvh = Bvh::new(scene::pose(scene));
+    let bvh = Bvh::new(scene::pose(scene, 0.0));
     let file = args.drags.display().to_string();
     let objects: Result<Vec<String>, Error> = drags
         .iter()

@@ -125,7 +125,7 @@ const MAX_PRECISION_SHARE: f64 = 0.01;
 
 impl Shadows {
     fn new(scene: Scene, light: &CheckedLight, precision: Option<f64>) -> Self {
-        let posed = scene::pose(scene);
+        let posed = scene::pose(scene, 0.0);
         let max_precision = MAX_PRECISION_SHARE * 2.0 * posed.half_extent.length();
         Self { linked: LinkedNodes::new(&posed, light), reference: Reference::new(posed), precision, max_precision }
     }

@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let LoadedScene { scene, contents, notes, .. } = open_scene_with_lights(&args.scene, args.lights.as_deref())?;
     print_notes(&notes);
     let lights = instances(contents.lights);
-    let posed = scene::pose(scene);
+    let posed = scene::pose(scene, 0.0);
     let Size { width, height } = args.size;
     let aspect = f64::from(width) / f64::from(height);
     let wanted = args.camera.clone().map(CameraChoice::Named);

@@ -94,7 +94,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
     notes.extend(args.picture.warning());
     notes.extend(lights.iter().flat_map(warnings));
-    let posed = scene::pose(scene);
+    let posed = scene::pose(scene, 0.0);
     if matches!(args.backend, PictureBackend::Gpu) {
         notes.extend(left_out(&posed.bounds(), &lights));
     }

@@ -125,7 +125,7 @@ fn draw_document(
     scene: Scene,
     files: &OutputPictures,
 ) -> Result<(), Error> {
-    let posed = scene::pose(scene);
+    let posed = scene::pose(scene, 0.0);
     let (log, lights) = (args.log.display().to_string(), document.light_instances());
     let request = RenderRequest::from(&args.picture);
     let cameras: Vec<_> = document.cameras().values().cloned().collect();

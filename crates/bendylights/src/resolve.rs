@@ -91,7 +91,7 @@ impl<'a> Resolver<'a> {
         let mut context = CommandContext::default();
         let solved = if needs_solution(before, command) {
             let bvh = match before.scene() {
-                None => Arc::new(Bvh::new(scene::pose(scene::Scene::default()))),
+                None => Arc::new(Bvh::new(scene::pose(scene::Scene::default(), 0.0))),
                 Some(scene) => self.bvh(scene.asset).or_else(|| {
                     self.missing = self.missing.or(Some((seq, scene.asset)));
                     None
@@ -114,7 +114,7 @@ impl<'a> Resolver<'a> {
         {
             return Some(Arc::clone(bvh));
         }
-        let bvh = Arc::new(Bvh::new(scene::pose(known_scenes::load(self.assets, &asset)?)));
+        let bvh = Arc::new(Bvh::new(scene::pose(known_scenes::load(self.assets, &asset)?, 0.0)));
         self.scene = Some((asset, Arc::clone(&bvh)));
         Some(bvh)
     }

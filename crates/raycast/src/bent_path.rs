@@ -282,7 +282,7 @@ mod tests {
     /// The cost of a light depends on its part in the scene, not on its length.
     #[test]
     fn a_long_light_asks_few_triangles() {
-        let bvh = Bvh::new(scene::pose(field(64)));
+        let bvh = Bvh::new(scene::pose(field(64), 0.0));
         let bounds = bvh.hierarchy.bounds().expect("a box");
         let ordinary = triangles_tested_per_path(&bvh, &light_of(30.0), &bounds);
         for size in [1e3, 1e4, 1e6, 1e9] {
@@ -302,7 +302,7 @@ mod tests {
     /// No hit depends on the cuts of a path.
     #[test]
     fn hits_do_not_depend_on_the_cut() {
-        let bvh = Bvh::new(scene::pose(field(16)));
+        let bvh = Bvh::new(scene::pose(field(16), 0.0));
         let mut hits = 0;
         for size in [30.0, 1e3, 1e6] {
             let tube = light_of(size);

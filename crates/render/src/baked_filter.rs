@@ -1,6 +1,7 @@
 //! Features of a light's profile that are compiled into its lighting pass.
 
 use light::{DistanceRamps, LightProfile, ProfileCurve, SectionOutline};
+use relight::ShadowFilter;
 
 /// Values of the constants in `profile.wgsl` and `lighting.wgsl`. They are compiled in, so no light computes a feature
 /// that it lacks, and no branch depends on a uniform.
@@ -50,4 +51,9 @@ impl BakedFilter {
             profile as u32
         )
     }
+}
+
+/// Prepends the constant of `shadow_filter.wgsl` to `wgsl`.
+pub(crate) fn with_filter(filter: ShadowFilter, wgsl: &str) -> String {
+    format!("const SHADOW_FILTER = {}u;\n{wgsl}", filter as u32)
 }

@@ -4,7 +4,9 @@
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
-use crate::casters::{CasterMesh, Casters};
+use shadow::CasterMesh;
+
+use crate::casters::Casters;
 use crate::geometry::Vertices;
 use crate::gpu_scene::GpuScene;
 use crate::memory::{MemoryKind, Reservation};
@@ -13,9 +15,6 @@ use crate::{Gpu, RenderError};
 /// Largest error as a share of half the scene's diagonal: a quarter of a texel of a coarse map, with 1024 texels a
 /// side, that shows the whole scene.
 const SHARE_OF_SCENE: f64 = 1.0 / 2048.0;
-/// Largest distance of simplified casters from the surface, in texels of the map where they are widest. It can be two
-/// texels because the filter blends two.
-const MOST_TEXELS: f64 = 2.0;
 /// Number of coarse maps that are drawn before the casters of a scene are simplified. A scene whose nodes move is a new
 /// scene in each picture, and simplification would never pay off.
 const MAPS_BEFORE_START: u32 = 3;
@@ -57,14 +56,9 @@ impl Default for State {
 
 impl SimplifiedCasters {
     fn new(gpu: &Gpu, scene: &GpuScene, mesh: CasterMesh) -> Result<Self, RenderError> {
-        let casters = mesh.upload(gpu)?;
+        let casters = Casters::upload(gpu, mesh)?;
         let memory = gpu.memory.reserve(MemoryKind::Scenes, casters.bytes());
         Ok(Self { casters, mesh_error: mesh_error(scene), _memory: memory })
-    }
-
-    /// True if the casters are accurate enough for a map whose texels are `texel` world units wide.
-    pub fn is_accurate_for(&self, texel: f64) -> bool {
-        self.mesh_error <= MOST_TEXELS * texel
     }
 }
 
@@ -126,7 +120,7 @@ fn spawn_simplification(scene: &GpuScene) -> JoinHandle<Option<CasterMesh>> {
     let (mesh_error, most) = (mesh_error(scene), MAX_TRIANGLE_RATIO * f64::from(scene.triangle_count));
     thread::spawn(move || {
         let vertices = Vertices::new(&posed).ok()?;
-        let mesh = CasterMesh::new((&vertices, opaque_indices), mesh_error);
+        let mesh = CasterMesh::new(&vertices.positions, &vertices.indices, opaque_indices, mesh_error);
         Some(mesh).filter(|mesh| mesh.triangle_count() as f64 <= most)
     })
 }

@@ -20,7 +20,7 @@ impl Renderer {
     /// Ends early, between two pictures, if `keep_going` returns false.
     pub fn compile_pipelines(&self, mut keep_going: impl FnMut() -> bool) -> Result<(), RenderError> {
         let mut renderer = self.with_same_pipelines()?;
-        renderer.set_scene(&scene::pose(scene()))?;
+        renderer.set_scene(&scene::pose(scene(), 0.0))?;
         // The BendyLights below are straight, but must be drawn as bent ones.
         renderer.set_shadow_settings(ShadowSettings { straighten: false, ..ShadowSettings::default() })?;
         let spot = spot();

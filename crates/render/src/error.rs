@@ -34,8 +34,8 @@ pub enum RenderError {
     #[error("this view cannot be rendered: {0}")]
     InvalidView(&'static str),
     /// The shadow settings permit no map.
-    #[error("shadows cannot be made so: {0}")]
-    InvalidShadows(&'static str),
+    #[error(transparent)]
+    InvalidShadows(#[from] shadow::InvalidSettings),
     /// The AOV is of a light that does not exist.
     #[error("there is no light {index} to show, this picture has {count}: choose one of them or another AOV")]
     NoSuchLight {

@@ -245,7 +245,7 @@ mod tests {
     }
 
     fn of(scene: Scene) -> Result<Vertices, RenderError> {
-        Vertices::new(&scene::pose(scene))
+        Vertices::new(&scene::pose(scene, 0.0))
     }
 
     #[test]

@@ -86,7 +86,7 @@ impl GpuScene {
     }
 
     /// Returns the shadow casters of lights without links.
-    pub fn caster_set(&self) -> CasterSet<'_> {
+    pub fn all_casters(&self) -> CasterSet<'_> {
         CasterSet {
             casters: &self.casters,
             alpha_tested: self.alpha_tested_draws(),

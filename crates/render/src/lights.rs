@@ -3,26 +3,24 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use light::{CheckedLight, LightId, LightInstance, LightRays, Tube};
+use light::{CheckedLight, LightId, LightInstance, LightRays};
 use scene::{MapScale, ViewSlot};
+use shadow::{CoarseClusters, Culling, MapFit, MapSize, PlacedLight, ShadowSettings};
 use wgpu::TextureView;
 
 use crate::backend::Backend;
-use crate::bendy_light::{self, BendySlot, BentMapBuffers};
+use crate::bendy_light::BentMapBuffers;
 use crate::camera::CameraRaster;
 use crate::coarse_casters::CoarseCasters;
 use crate::gpu_scene::GpuScene;
-use crate::linked::{CasterSource, KnownLinks, LinkedCasters};
+use crate::linked::{KnownLinks, LinkedCasters, caster_set};
 use crate::map_key::MapKey;
+use crate::map_painter::{MapBuilders, MapPainter, MapStorage, NativeMapBuilders};
+use crate::map_source::MapSource;
 use crate::memory::{Evictable, MemoryKind, Reservation};
-#[cfg(test)]
-use crate::native_slot::MapFit;
-use crate::native_slot::{NativeMapBuilders, NativeSlot};
 use crate::pass_runs::Cause;
 use crate::passes::{DrawContext, Passes};
-use crate::shadow_settings::{Culling, MapSize};
-use crate::straight::{StraightLight, StraightSlot};
-use crate::{Gpu, RenderError, ShadowSettings};
+use crate::{Gpu, RenderError};
 
 /// Shadow maps of the lights in a scene, which all views share.
 #[derive(Debug)]
@@ -30,7 +28,7 @@ pub(crate) struct ShadowMaps {
     maps: Vec<KeptMap>,
     users: Vec<MapUser>,
     pub bent_buffers: BentMapBuffers,
-    native_builders: NativeMapBuilders,
+    native: NativeMapBuilders,
     known_links: KnownLinks,
     pub coarse: CoarseCasters,
     shadows: ShadowSettings,
@@ -38,35 +36,9 @@ pub(crate) struct ShadowMaps {
     drawn: BTreeMap<(LightId, Backend), (MapKey, MapSize)>,
 }
 
-/// Draws shadow maps of lights, on the GPU or the CPU.
-pub(crate) trait MapPainter {
-    /// Light with its map, as lighting passes of this backend use it.
-    type Light;
-    const BACKEND: Backend;
-
-    /// Creates memory for a map of `light` of this size. Nothing is drawn yet.
-    fn slot(&self, light: &CheckedLight, size: MapSize) -> LightSlot;
-
-    /// Updates `slot`, which was created for such a light. Returns the placed light, and true if its map was drawn:
-    /// with the casters of the source, or with its coarse ones if they are accurate enough.
-    fn prepare(
-        &mut self,
-        slot: &mut LightSlot,
-        key: MapKey,
-        light: &CheckedLight,
-        source: CasterSource,
-        builders: MapBuilders,
-    ) -> Result<(Self::Light, bool), RenderError>;
-}
-
-pub(crate) struct MapBuilders<'a> {
-    pub bent_buffers: &'a mut BentMapBuffers,
-    pub native_builders: &'a mut NativeMapBuilders,
-}
-
 #[derive(Debug)]
 struct KeptMap {
-    slot: Evictable<LightSlot>,
+    slot: Evictable<MapSlot>,
     /// True if the map may not be reused for another light: a picture in progress needs it, or it is the map of its
     /// light in the latest picture.
     needed: bool,
@@ -82,12 +54,15 @@ struct MapUser {
     is_finished: bool,
 }
 
-/// A map, by backend and shape of light.
+/// Cached map of a light.
 #[derive(Debug)]
-pub(crate) enum LightSlot {
-    Straight(Box<StraightSlot>),
-    Bendy(Box<BendySlot>),
-    Native(Box<NativeSlot>),
+pub(crate) struct MapSlot {
+    size: MapSize,
+    /// True for a map of bent lights. Bending a light and straightening it again then finds both of its maps.
+    is_bent: bool,
+    storage: MapStorage,
+    /// Key of the map, and its fit. `None` before the first one is drawn.
+    shown: Option<(MapKey, MapFit)>,
 }
 
 /// Light whose shadow map is valid, as lighting passes of the backend use it.
@@ -105,39 +80,24 @@ pub(crate) struct ReadyLight<Light> {
     pub transient_map: Option<Reservation>,
 }
 
-impl LightSlot {
-    /// True if `backend` can draw a map of that size here, for a light with those `rays`.
+impl MapSlot {
+    /// True if `backend` can draw a map of that size here for a light with those rays.
     fn fits(&self, backend: Backend, rays: &LightRays, size: MapSize) -> bool {
-        match (self, backend, rays) {
-            (Self::Bendy(slot), Backend::Wgpu, LightRays::Bent(_)) => slot.size() == size,
-            (Self::Straight(slot), Backend::Wgpu, LightRays::Cone(_) | LightRays::Omni(_) | LightRays::Parallel(_)) => {
-                slot.size() == size
-            }
-            (Self::Native(slot), Backend::Native, _) => slot.size() == size,
-            _ => false,
-        }
+        let of = match self.storage {
+            MapStorage::Wgpu(_) => Backend::Wgpu,
+            MapStorage::Native(_) => Backend::Native,
+        };
+        (of, self.size, self.is_bent) == (backend, size, matches!(rays, LightRays::Bent(_)))
     }
 
     fn map_key(&self) -> Option<MapKey> {
-        match self {
-            Self::Straight(slot) => slot.map_key(),
-            Self::Bendy(slot) => slot.map_key(),
-            Self::Native(slot) => slot.map_key(),
-        }
-    }
-
-    fn invalidate(&mut self) {
-        match self {
-            Self::Straight(slot) => slot.invalidate(),
-            Self::Bendy(slot) => slot.invalidate(),
-            Self::Native(slot) => slot.invalidate(),
-        }
+        self.shown.as_ref().map(|(key, _)| *key)
     }
 }
 
 impl KeptMap {
     fn map_key(&self) -> Option<MapKey> {
-        self.slot.peek(LightSlot::map_key).flatten()
+        self.slot.peek(MapSlot::map_key).flatten()
     }
 }
 
@@ -147,7 +107,7 @@ impl ShadowMaps {
             maps: Vec::new(),
             users: Vec::new(),
             bent_buffers: BentMapBuffers::new(),
-            native_builders: NativeMapBuilders::default(),
+            native: NativeMapBuilders::default(),
             known_links: KnownLinks::default(),
             coarse: CoarseCasters::default(),
             shadows: ShadowSettings::default(),
@@ -173,7 +133,7 @@ impl ShadowMaps {
     pub fn invalidate(&mut self) {
         for map in &mut self.maps {
             if let Some(mut slot) = map.slot.take() {
-                slot.invalidate();
+                slot.shown = None;
                 map.slot.put(slot);
             }
         }
@@ -183,14 +143,13 @@ impl ShadowMaps {
 
     /// Corrupts maps of the native backend for tests, as [`crate::Renderer::corrupt_native_maps`] states.
     #[cfg(test)]
-    pub fn corrupt_native_maps(&mut self, mut fault: impl FnMut(&mut relight::DepthMap, &bendy_light::MapShape)) {
+    pub fn corrupt_native_maps(&mut self, mut fault: impl FnMut(&mut relight::DepthMap, &shadow::MapShape)) {
         for kept in &self.maps {
             let Some(mut slot) = kept.slot.take() else { continue };
-            if let LightSlot::Native(native) = &mut slot
-                && let Some((_, shown)) = &mut native.shown
-                && let MapFit::Bent(Some(shape)) = &shown.fitted
+            if let MapStorage::Native(map) = &mut slot.storage
+                && let Some(shape) = slot.shown.as_ref().and_then(|(_, fit)| fit.bent_shape())
             {
-                fault(Arc::get_mut(&mut shown.map).expect("no picture is under way"), shape);
+                fault(Arc::get_mut(map).expect("no picture is under way"), shape);
             }
             kept.slot.put(slot);
         }
@@ -267,16 +226,16 @@ impl ShadowMaps {
         let key = MapKey::of(instance, scene.revision);
         // A light whose shadows are off has a map of size 1, apart from the one before.
         let known_of = |size: MapSize| {
-            let shows = |slot: &LightSlot| slot.map_key() == Some(key) && slot.fits(P::BACKEND, light.rays(), size);
+            let shows = |slot: &MapSlot| slot.map_key() == Some(key) && slot.fits(P::BACKEND, light.rays(), size);
             self.maps.iter().position(|map| map.slot.peek(shows).unwrap_or(false))
         };
         let (mut shadow_map, mut shadows) = (MapScale::Full, self.shadows);
-        let mut known = known_of(map_size_of(light, &shadows));
+        let mut known = known_of(shadow::map_size(light, &shadows));
         if known.is_none() && scale != MapScale::Full {
             (shadow_map, shadows) = (scale, self.shadows.scaled(scale));
-            known = known_of(map_size_of(light, &shadows));
+            known = known_of(shadow::map_size(light, &shadows));
         }
-        let size = map_size_of(light, &shadows);
+        let size = shadow::map_size(light, &shadows);
         if known.is_none() {
             scene.posed.bounds().check(light)?;
         }
@@ -284,26 +243,46 @@ impl ShadowMaps {
             return Ok(None);
         };
         let free = || {
-            let fits = |slot: &LightSlot| slot.fits(P::BACKEND, light.rays(), size);
+            let fits = |slot: &MapSlot| slot.fits(P::BACKEND, light.rays(), size);
             self.maps.iter().position(|map| !map.needed && map.slot.peek(fits).unwrap_or(false))
         };
         let index = known.or_else(free);
+        let is_bent = matches!(light.rays(), LightRays::Bent(_));
         let mut slot = match index.and_then(|index| self.maps[index].slot.take()) {
             Some(slot) => slot,
-            None => painter.slot(light, size),
+            None => MapSlot { size, is_bent, storage: painter.storage(size), shown: None },
         };
         let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
-        // Casters that are reduced by links or already simplified are used unchanged.
-        let is_coarse = known.is_none() && shadow_map != MapScale::Full && matches!(light.rays(), LightRays::Bent(_));
-        let coarse = if is_coarse && linked.is_none() && shadows.mesh_error == 0.0 {
-            self.coarse.get(gpu, scene)?
+        let kept = slot.shown.take().filter(|(kept, _)| *kept == key);
+        let drawn = kept.is_none() && light.light_profile().shadow_enable;
+        let fit = if let Some((_, fit)) = kept {
+            fit
         } else {
-            None
+            let mut casting = caster_set(gpu, scene, linked.as_deref(), shadows.mesh_error)?;
+            // Casters that are reduced by links or already simplified are used unchanged.
+            let is_coarse = shadow_map != MapScale::Full && is_bent;
+            let coarse = if is_coarse && linked.is_none() && shadows.mesh_error == 0.0 {
+                self.coarse.get(gpu, scene)?
+            } else {
+                None
+            };
+            let coarse_clusters = coarse
+                .map(|coarse| CoarseClusters { clusters: &coarse.casters.clusters, mesh_error: coarse.mesh_error });
+            let clusters = &casting.casters.clusters;
+            let (fit, is_coarse) = shadow::fit_map(light, &scene.posed, clusters, coarse_clusters, &shadows);
+            if let Some(coarse) = coarse.filter(|_| is_coarse) {
+                casting.casters = &coarse.casters;
+            }
+            if drawn {
+                let placed = PlacedLight::new(light, &scene.posed, &fit, &shadows);
+                let source = MapSource { scene, linked: linked.as_deref(), casting, shadows: &shadows };
+                let builders = MapBuilders { bent_buffers: &mut self.bent_buffers, native: &mut self.native };
+                painter.draw(&mut slot.storage, &placed, &source, builders)?;
+            }
+            fit
         };
-        let source = CasterSource { scene, linked: linked.as_deref(), shadows: &shadows, coarse };
-        let Self { bent_buffers, native_builders, .. } = self;
-        let builders = MapBuilders { bent_buffers, native_builders };
-        let (placed, drawn) = painter.prepare(&mut slot, key, light, source, builders)?;
+        let light = painter.light(&slot.storage, PlacedLight::new(light, &scene.posed, &fit, &shadows));
+        slot.shown = Some((key, fit));
         let last = (instance.id, P::BACKEND);
         let shadow_map_cause = drawn.then(|| match self.drawn.insert(last, (key, size)) {
             None => Cause::First,
@@ -311,7 +290,7 @@ impl ShadowMaps {
             Some((before, _)) => key.cause_after(&before),
         });
         let transient_map = self.keep(gpu, index, slot, linked.clone(), size);
-        Ok(Some(ReadyLight { light: placed, pixels, linked, shadow_map, shadow_map_cause, transient_map }))
+        Ok(Some(ReadyLight { light, pixels, linked, shadow_map, shadow_map_cause, transient_map }))
     }
 
     /// Puts a map back into the cache, or adds a new one if there is room. Otherwise returns the reservation that
@@ -320,7 +299,7 @@ impl ShadowMaps {
         &mut self,
         gpu: &Gpu,
         index: Option<usize>,
-        slot: LightSlot,
+        slot: MapSlot,
         linked: Option<Arc<LinkedCasters>>,
         size: MapSize,
     ) -> Option<Reservation> {
@@ -349,18 +328,18 @@ impl ShadowMaps {
         picture: &TextureView,
     ) -> Result<(), RenderError> {
         scene.posed.bounds().check(light)?;
-        let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
-        let source = CasterSource { scene, linked: linked.as_deref(), shadows: &self.shadows, coarse: None };
-        let work = &mut self.bent_buffers;
-        match light.rays() {
-            LightRays::Bent(tube) => passes.bendy.draw_wireframe(gpu, work, light.light(), tube, source, picture),
-            LightRays::Omni(_) | LightRays::Parallel(_) => Err(RenderError::NoWireframe),
-            LightRays::Cone(_) => {
-                let bent = light::bend(light.light(), 1)?;
-                let tube = Tube::new(&bent)?;
-                passes.bendy.draw_wireframe(gpu, work, &bent, &tube, source, picture)
-            }
-        }
+        let bent = match light.rays() {
+            LightRays::Cone(_) => &CheckedLight::new(light::bend(light.light(), 1)?)?,
+            _ => light,
+        };
+        let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, bent.light());
+        let casting = caster_set(gpu, scene, linked.as_deref(), self.shadows.mesh_error)?;
+        let clusters = &casting.casters.clusters;
+        let placed =
+            shadow::wireframe_of(bent, &scene.posed, clusters, &self.shadows).ok_or(RenderError::NoWireframe)?;
+        let Some(shape) = &placed.shape else { return Err(RenderError::NoWireframe) };
+        let source = MapSource { scene, linked: linked.as_deref(), casting, shadows: &self.shadows };
+        passes.bendy.draw_wireframe(gpu, &mut self.bent_buffers, &placed, shape, &source, picture)
     }
 }
 
@@ -381,19 +360,6 @@ pub(crate) fn reachable_pixels(
     if !culling.pixels {
         return Some(raster.all_pixels());
     }
-    let corners_in_world = match (StraightLight::of(light), light.rays()) {
-        (Some(straight), _) => straight.corners_in_world(&scene.posed),
-        (None, LightRays::Bent(tube)) => bendy_light::corners_in_world(tube, &scene.posed),
-        (None, _) => unreachable!("what is not straight is bent"),
-    };
-    Some(raster.bounds_of(&corners_in_world)).filter(|[_, _, width, height]| *width > 0 && *height > 0)
-}
-
-/// Returns the size of the map of `light`. A light without shadows has the smallest size, because a binding must not be
-/// empty.
-fn map_size_of(light: &CheckedLight, shadows: &ShadowSettings) -> MapSize {
-    let faces =
-        StraightLight::of(light).map_or_else(|| bendy_light::face_count(light.light()), StraightLight::face_count);
-    let size = shadows.map_size(faces);
-    if light.light_profile().shadow_enable { size } else { MapSize { side: 1, ..size } }
+    let hull_in_world = shadow::lit_hull_in_world(light, &scene.posed);
+    Some(raster.bounds_of(&hull_in_world)).filter(|[_, _, width, height]| *width > 0 && *height > 0)
 }

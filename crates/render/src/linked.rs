@@ -8,13 +8,12 @@ use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType};
 
 use crate::alpha_test::GpuAlphaTests;
 use crate::casters::{CasterSet, Casters};
-use crate::coarse_casters::SimplifiedCasters;
 use crate::geometry::{DrawRun, Vertices};
 use crate::gpu_scene::GpuScene;
 use crate::material::MaterialDraw;
 use crate::memory::{MemoryKind, Reservation};
 use crate::pipeline::UINT_TEXTURE;
-use crate::{Gpu, RenderError, ShadowSettings, gpu_structs};
+use crate::{Gpu, RenderError, gpu_structs};
 
 /// Group 3 of the lighting passes of lights with links; see `links.wgsl`.
 pub(crate) const BINDINGS: [BindingType; 1] = [UINT_TEXTURE];
@@ -77,23 +76,14 @@ impl KnownLinks {
     }
 }
 
-/// Scene from which a light's map takes its casters.
-#[derive(Clone, Copy)]
-pub(crate) struct CasterSource<'a> {
-    pub scene: &'a GpuScene,
-    /// Casters that the light's links select; `None` if it has no links.
-    pub linked: Option<&'a LinkedCasters>,
-    pub shadows: &'a ShadowSettings,
-    /// Simplified casters, if the map may use them.
-    pub coarse: Option<&'a SimplifiedCasters>,
-}
-
-impl<'a> CasterSource<'a> {
-    /// Returns the casters without simplification for coarse maps.
-    pub fn caster_set(&self, gpu: &Gpu) -> Result<CasterSet<'a>, RenderError> {
-        let Self { scene, linked, shadows, .. } = *self;
-        linked.map_or_else(|| Ok(scene.caster_set()), |linked| linked.caster_set(gpu, scene, shadows.mesh_error))
-    }
+/// Returns the shadow casters of a light with these links, within `mesh_error` of the surface in world units.
+pub(crate) fn caster_set<'a>(
+    gpu: &Gpu,
+    scene: &'a GpuScene,
+    linked: Option<&'a LinkedCasters>,
+    mesh_error: f64,
+) -> Result<CasterSet<'a>, RenderError> {
+    linked.map_or_else(|| Ok(scene.all_casters()), |linked| linked.caster_set(gpu, scene, mesh_error))
 }
 
 impl LinkedCasters {
@@ -123,7 +113,7 @@ impl LinkedCasters {
     }
 
     fn caster_set<'a>(&'a self, gpu: &Gpu, scene: &'a GpuScene, mesh_error: f64) -> Result<CasterSet<'a>, RenderError> {
-        let Some(casts_shadows) = &self.casts_shadows else { return Ok(scene.caster_set()) };
+        let Some(casts_shadows) = &self.casts_shadows else { return Ok(scene.all_casters()) };
         let made = if let Some(made) = self.casters.get() {
             made
         } else {

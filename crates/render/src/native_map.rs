@@ -2,23 +2,18 @@
 
 use std::sync::Arc;
 
-use light::{CheckedLight, LightRays};
-use relight::DepthMap;
+use relight::{DepthMap, RelitBent, RelitDirectional, RelitLight, RelitOmni, RelitSpot};
+use shadow::{MapSize, PlacedLight, StraightCoords};
 
 use crate::backend::Backend;
-use crate::bendy_light;
-use crate::lights::{LightSlot, MapBuilders, MapPainter};
-use crate::linked::CasterSource;
-use crate::map_key::MapKey;
-use crate::native_slot::{FittedMap, MapFit, NativeMapBuilders, NativeSlot};
-use crate::shadow_settings::MapSize;
-use crate::straight::StraightLight;
-use crate::{Gpu, RenderError, native_straight};
+use crate::map_painter::{MapBuilders, MapPainter, MapStorage, NativeMapBuilders};
+use crate::map_source::MapSource;
+use crate::{Gpu, RenderError, bendy_light, native_straight};
 
 /// Light in the form that `relight` draws, with its shadow map if it casts shadows.
 #[derive(Debug)]
 pub(crate) struct NativeLight {
-    pub light: relight::RelitLight,
+    pub light: RelitLight,
     pub map: Option<Arc<DepthMap>>,
 }
 
@@ -29,54 +24,59 @@ impl MapPainter for NativeMaps<'_> {
     type Light = NativeLight;
     const BACKEND: Backend = Backend::Native;
 
-    fn slot(&self, _: &CheckedLight, size: MapSize) -> LightSlot {
-        LightSlot::Native(Box::new(NativeSlot::new(size)))
+    fn storage(&self, size: MapSize) -> MapStorage {
+        MapStorage::Native(Arc::new(DepthMap::new(size.side as usize, size.layers as usize)))
     }
 
-    fn prepare(
+    fn draw(
         &mut self,
-        slot: &mut LightSlot,
-        key: MapKey,
-        light: &CheckedLight,
-        source: CasterSource,
+        storage: &mut MapStorage,
+        placed: &PlacedLight,
+        source: &MapSource,
         builders: MapBuilders,
-    ) -> Result<(NativeLight, bool), RenderError> {
-        let LightSlot::Native(slot) = slot else { unreachable!("the slot was made for the processor") };
-        let (Self(gpu), CasterSource { scene, shadows, .. }) = (self, source);
-        let NativeMapBuilders { bent, straight: straight_builder } = builders.native_builders;
-        let is_stale = slot.map_key() != Some(key);
-        let is_shadowed = light.light_profile().shadow_enable;
-        if is_stale {
-            let mut map = slot.map();
-            let fitted = match (StraightLight::of(light), light.rays()) {
-                (Some(straight), _) => {
-                    let fitted = straight.fit_map(scene, shadows);
-                    if is_shadowed {
-                        let placed = straight.placed(&fitted, scene, shadows);
-                        native_straight::draw_map(gpu, straight_builder, straight, &placed, source, &mut map)?;
-                    }
-                    MapFit::Straight(fitted)
-                }
-                (None, LightRays::Bent(tube)) if is_shadowed => {
-                    let shape = bendy_light::draw_map(gpu, bent, light, tube, source, &mut map)?;
-                    MapFit::Bent(Some(Box::new(shape)))
-                }
-                (None, _) => MapFit::Bent(None),
-            };
-            slot.shown = Some((key, FittedMap { map: Arc::new(map), fitted }));
+    ) -> Result<(), RenderError> {
+        let Self(gpu) = self;
+        let MapStorage::Native(map) = storage else { unreachable!("the storage was made for the processor") };
+        if Arc::get_mut(map).is_none() {
+            // A layer that is being drawn still reads the map before.
+            *map = Arc::new(DepthMap::new(map.side(), map.faces()));
         }
-        let Some((_, FittedMap { map, fitted })) = &slot.shown else { unreachable!("it was drawn or known") };
-        let placed = match (StraightLight::of(light), light.rays(), fitted) {
-            (Some(straight), _, MapFit::Straight(fitted)) => {
-                native_straight::relit_light(straight.placed(fitted, scene, shadows), shadows.filter)
-            }
-            (None, LightRays::Bent(tube), MapFit::Bent(fitted)) => {
-                let bent = bendy_light::placed(tube, scene, fitted.as_deref(), shadows);
-                relight::RelitLight::Bent(Box::new(bent))
-            }
-            _ => unreachable!("a light keeps its shape while its key stays the same"),
-        };
-        let map = is_shadowed.then(|| Arc::clone(map));
-        Ok((NativeLight { light: placed, map }, is_stale && is_shadowed))
+        let into = Arc::get_mut(map).expect("nothing else has it");
+        let NativeMapBuilders { bent, straight } = builders.native;
+        match placed {
+            PlacedLight::Straight(placed) => native_straight::draw_map(gpu, straight, placed, source, into),
+            PlacedLight::Bent(placed) => match &placed.shape {
+                Some(shape) => bendy_light::draw_map(gpu, bent, placed, shape, source, into),
+                None => Ok(()),
+            },
+        }
+    }
+
+    fn light(&self, storage: &MapStorage, placed: PlacedLight) -> NativeLight {
+        let is_shadowed = placed.light_profile().shadow_enable;
+        let map = if let MapStorage::Native(map) = storage { is_shadowed.then(|| Arc::clone(map)) } else { None };
+        NativeLight { light: relit_light(placed), map }
+    }
+}
+
+/// Converts a light to the form that `relight` draws.
+fn relit_light(placed: PlacedLight) -> RelitLight {
+    let placed = match placed {
+        PlacedLight::Bent(bent) => {
+            return RelitLight::Bent(Box::new(RelitBent::new(&bent.part.tube, bent.tube_from_scene, bent.map)));
+        }
+        PlacedLight::Straight(straight) => straight,
+    };
+    let (light_from_scene, profile) = (placed.light_from_scene.as_mat4(), placed.light_profile);
+    match placed.coords {
+        StraightCoords::Spot { tan_outer, range, map } => {
+            RelitLight::Spot(Box::new(RelitSpot::new(light_from_scene, profile, tan_outer, range, map)))
+        }
+        StraightCoords::Omni { range, map } => {
+            RelitLight::Omni(Box::new(RelitOmni::new(light_from_scene, profile, range, map)))
+        }
+        StraightCoords::Directional { window, map } => {
+            RelitLight::Directional(Box::new(RelitDirectional::new(light_from_scene, profile, window, map)))
+        }
     }
 }

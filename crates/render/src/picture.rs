@@ -286,7 +286,8 @@ mod tests {
     /// Returns the bytes of a row of pixels.
     fn row(aov: Aov, pixels: &[[f32; 4]]) -> Vec<[u8; 3]> {
         let picture = Picture { width: pixels.len() as u32, height: 1, pixels: pixels.to_vec() };
-        let view = View { aov, ..View::beauty(framing_camera(&scene::pose(Scene::default()).bounds(), 1.0), [1, 1]) };
+        let view =
+            View { aov, ..View::beauty(framing_camera(&scene::pose(Scene::default(), 0.0).bounds(), 1.0), [1, 1]) };
         visualize(&picture, &view, 2).pixels().map(|pixel| pixel.0).collect()
     }
 

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use shadow::MapSize;
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutEntry, BindingType, BlendState, BufferBindingType, ColorTargetState, ColorWrites,
@@ -10,7 +11,6 @@ use wgpu::{
 };
 
 use crate::Gpu;
-use crate::shadow_settings::MapSize;
 
 pub(crate) const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
 /// A read-only storage buffer.

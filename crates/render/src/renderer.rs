@@ -58,7 +58,7 @@ impl Renderer {
     fn with(gpu: Arc<Gpu>, passes: Arc<Passes>) -> Result<Self, RenderError> {
         let (view_uniform, scene) = gpu.with_error_scopes(|| {
             let view_uniform = gpu.uniform_buffer::<gpu_structs::View>("view");
-            let (layouts, empty) = (&passes.group_layouts, scene::pose(Scene::default()));
+            let (layouts, empty) = (&passes.group_layouts, scene::pose(Scene::default(), 0.0));
             let uploaded = SceneOnDevice::upload(&gpu, layouts, &empty, 0.0)?;
             let scene = GpuScene::new(&gpu, layouts, &view_uniform, uploaded, 0, 0.0)?;
             Ok((view_uniform, scene))
@@ -93,7 +93,9 @@ impl Renderer {
 
     /// Sets the shadow settings for later pictures. On an error the previous settings stay.
     pub fn set_shadow_settings(&mut self, shadows: ShadowSettings) -> Result<(), RenderError> {
-        shadows.check(self.gpu.device.limits().max_texture_dimension_2d)?;
+        let limit = self.gpu.device.limits().max_texture_dimension_2d;
+        RenderError::check_size("the resolution of shadow maps", shadows.resolution.into(), limit.into())?;
+        shadows.check()?;
         if shadows.mesh_error != self.shadow_maps.shadows().mesh_error {
             let simplify = || self.scene.casters_within(&self.gpu, shadows.mesh_error);
             self.scene.casters = self.gpu.with_error_scopes(simplify)?.into();

@@ -2,18 +2,19 @@
 
 use std::sync::Arc;
 
-use light::{CheckedLight, LightRays};
+use shadow::{MapSize, PlacedLight};
 use wgpu::{BindGroup, CommandEncoder};
 
 use crate::backend::Backend;
-use crate::bendy_light::{Baked, BendyPass};
+use crate::bendy_light::Baked;
 use crate::lighting::LightingPass;
-use crate::lights::{LightSlot, MapBuilders, MapPainter, ReadyLight};
-use crate::linked::CasterSource;
-use crate::map_key::MapKey;
+use crate::lights::ReadyLight;
+use crate::map_painter::{MapBuilders, MapPainter, MapStorage};
+use crate::map_source::MapSource;
 use crate::passes::Passes;
-use crate::shadow_settings::MapSize;
-use crate::straight::{BakedStraight, StraightLight};
+use crate::stages::FrameStage;
+use crate::straight::BakedStraight;
+use crate::straight_map::{ShadowMap, ShadowViews};
 use crate::{Gpu, RenderError};
 
 /// Draws shadow maps of lights in a scene on the GPU. Draws of straight lights are recorded in `encoder`; draws of bent
@@ -57,35 +58,62 @@ impl MapPainter for WgpuMaps<'_> {
     type Light = WgpuLight;
     const BACKEND: Backend = Backend::Wgpu;
 
-    fn slot(&self, light: &CheckedLight, size: MapSize) -> LightSlot {
-        match light.rays() {
-            LightRays::Cone(_) | LightRays::Omni(_) | LightRays::Parallel(_) => {
-                LightSlot::Straight(Box::new(self.passes.straight.slot(self.gpu, size)))
-            }
-            LightRays::Bent(_) => LightSlot::Bendy(Box::new(BendyPass::slot(self.gpu, size))),
-        }
+    fn storage(&self, size: MapSize) -> MapStorage {
+        MapStorage::Wgpu(self.passes.straight.shadow.new_map(self.gpu, size))
     }
 
-    fn prepare(
+    fn draw(
         &mut self,
-        slot: &mut LightSlot,
-        key: MapKey,
-        light: &CheckedLight,
-        source: CasterSource,
+        storage: &mut MapStorage,
+        placed: &PlacedLight,
+        source: &MapSource,
         builders: MapBuilders,
-    ) -> Result<(WgpuLight, bool), RenderError> {
-        let Self { gpu, passes, encoder } = self;
-        let (kind, group, drawn) = match (slot, StraightLight::of(light)) {
-            (LightSlot::Bendy(slot), None) => {
-                let (placed, drawn) = passes.bendy.prepare(gpu, builders.bent_buffers, slot, key, light, source)?;
-                (LightingKind::Bendy(placed.baked), placed.group, drawn)
+    ) -> Result<(), RenderError> {
+        let (Self { gpu, passes, encoder }, map) = (self, wgpu_map(storage));
+        let placed = match placed {
+            PlacedLight::Straight(placed) => placed,
+            PlacedLight::Bent(placed) => {
+                let Some(shape) = &placed.shape else { return Ok(()) };
+                return passes.bendy.draw_map(gpu, builders.bent_buffers, placed, shape, source, &map.target);
             }
-            (LightSlot::Straight(slot), Some(straight)) => {
-                let (group, drawn) = passes.straight.prepare(gpu, encoder, slot, key, straight, source)?;
-                (LightingKind::Straight(straight.baked(source.shadows.filter)), group, drawn)
-            }
-            _ => unreachable!("the slot was chosen or made for this kind of light"),
         };
-        Ok((WgpuLight { kind, group }, drawn))
+        let views = ShadowViews {
+            clips_from_scene: &placed.clips_from_scene(),
+            source: placed.source_in_scene,
+            culling: source.shadows.culling,
+        };
+        let triangles = passes.straight.shadow.draw(gpu, encoder, map, views, source.scene, &source.casting)?;
+        gpu.end_stage(encoder, FrameStage::Draw)?;
+        let MapSize { side, layers } = map.target.size;
+        gpu.stages.count(|counters| {
+            counters.triangles_seen += triangles;
+            counters.triangles_drawn += triangles;
+            counters.texels += u64::from(layers) * u64::from(side).pow(2);
+        });
+        Ok(())
     }
+
+    fn light(&self, storage: &MapStorage, placed: PlacedLight) -> WgpuLight {
+        let (Self { gpu, passes, .. }, map) = (self, wgpu_map(storage));
+        match placed {
+            PlacedLight::Straight(placed) => {
+                let baked = BakedStraight::of(&placed, map.target.size.layers > 1);
+                let group = passes.straight.light_group(gpu, &placed, &map.target);
+                WgpuLight { kind: LightingKind::Straight(baked), group }
+            }
+            PlacedLight::Bent(placed) => {
+                let is_cube = placed.map.slope.is_some();
+                let baked = Baked::of(&placed.part.tube, is_cube, placed.map.filter);
+                WgpuLight {
+                    kind: LightingKind::Bendy(baked),
+                    group: passes.bendy.light_group(gpu, &placed, &map.target),
+                }
+            }
+        }
+    }
+}
+
+fn wgpu_map(storage: &MapStorage) -> &ShadowMap {
+    let MapStorage::Wgpu(map) = storage else { unreachable!("the storage was made for the GPU") };
+    map
 }

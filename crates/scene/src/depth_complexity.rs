@@ -75,10 +75,10 @@ mod tests {
 
     #[test]
     fn overlapping_triangles_count_and_separate_ones_do_not() {
-        assert_eq!(pose(Scene::default()).depth_complexity(), 1.0);
-        assert_eq!(pose(scene(1_000, 0.0)).depth_complexity(), 1_000.0);
+        assert_eq!(pose(Scene::default(), 0.0).depth_complexity(), 1.0);
+        assert_eq!(pose(scene(1_000, 0.0), 0.0).depth_complexity(), 1_000.0);
         // Each cell is wider than a triangle and holds about 60 side by side.
-        let beside = pose(scene(1_000, 1.0)).depth_complexity();
+        let beside = pose(scene(1_000, 1.0), 0.0).depth_complexity();
         assert!((1.0..=2.0).contains(&beside), "{beside}");
     }
 }

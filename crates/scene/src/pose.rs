@@ -50,8 +50,11 @@ pub struct PosedPrimitive {
     pub first_vertex: usize,
 }
 
-/// Poses a scene that passes [`Scene::check`].
-pub fn pose(scene: impl Into<Arc<Scene>>) -> Arc<PosedScene> {
+/// Poses a scene that passes [`Scene::check`] at a time, in frames. No scene moves yet: every time gives the rest pose.
+///
+/// The origin and the bounds are those of the rest pose at every time, so that what depends on them stays valid while
+/// objects move.
+pub fn pose(scene: impl Into<Arc<Scene>>, _time_in_frames: f64) -> Arc<PosedScene> {
     let scene = scene.into();
     let SceneBounds { center: origin_in_world, half_extent } = SceneBounds::from(&*scene);
     let primitives: Vec<_> = posed_primitives(&scene).collect();

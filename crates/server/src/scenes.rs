@@ -158,7 +158,7 @@ impl DecodedScene {
     /// Decodes a scene's file.
     fn of(bytes: &[u8]) -> Result<Self, ServerError> {
         let LoadedScene { scene, contents, name, notes } = assets::load_bytes(bytes)?.with_default_light();
-        let (posed, contents) = (scene::pose(scene), Arc::new(contents));
+        let (posed, contents) = (scene::pose(scene, 0.0), Arc::new(contents));
         let notes = notes.into_iter().chain(performance_notes(&posed)).collect();
         Ok(Self { posed, contents, notes, embedded_name: name, bvh: Arc::default() })
     }

@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn vases_have_the_papers_size() {
         let scene = vases().scene;
-        let triangles = scene::pose(scene.clone()).triangle_count();
+        let triangles = scene::pose(scene.clone(), 0.0).triangle_count();
         assert!((14_000..16_000).contains(&triangles), "{triangles}");
         for (mesh, height) in scene.meshes[1..].iter().zip([1.1, 0.8]) {
             let top = mesh.primitives[0].positions.iter().fold(0.0_f32, |most, p| most.max(p.y));

@@ -34,7 +34,7 @@ fn every_file_of_shared_assets_loads_or_names_the_missing_feature() {
             Ok(loaded) => {
                 let scene = &loaded.scene;
                 crate::support::assert_sound(&loaded, &name);
-                let triangles = scene::pose(scene.clone()).triangle_count();
+                let triangles = scene::pose(scene.clone(), 0.0).triangle_count();
                 let SceneContents { lights, cameras } = &loaded.contents;
                 let (lights, cameras, images) = (lights.len(), cameras.len(), scene.images.len());
                 println!("{name}: {triangles} triangles, {lights} lights, {cameras} cameras, {images} pictures");
@@ -69,7 +69,7 @@ fn counts_are_those_of_the_files_of_shared_assets() {
         ("gltf/khronos/Fox.glb", 576, 0, 0),
     ] {
         let loaded = assets::load(&folder.join(file)).unwrap();
-        let posed = scene::pose(loaded.scene.clone()).triangle_count();
+        let posed = scene::pose(loaded.scene.clone(), 0.0).triangle_count();
         assert_eq!(
             (posed, loaded.contents.lights.len(), loaded.contents.cameras.len()),
             (triangles, lights, cameras),
@@ -174,7 +174,7 @@ fn no_light_of_shared_assets_is_dropped() {
         let count = punctual_lights(&std::fs::read(&path).expect("it has just been read"));
         let read = loaded.contents.lights.len();
         assert_eq!(read + left_out(&loaded.notes), count, "{name}");
-        let triangles = scene::pose(loaded.scene.clone()).triangle_count();
+        let triangles = scene::pose(loaded.scene.clone(), 0.0).triangle_count();
         let lit = loaded.with_default_light();
         let is_key = |note: &String| note.ends_with("default key");
         let gets_key = read == 0 && triangles > 0;

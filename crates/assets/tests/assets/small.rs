@@ -209,7 +209,7 @@ fn nodes_compose_from_matrix_and_parts() {
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{positions}}}}}]}}]"#
     );
     let scene = file.with(nodes).load().unwrap().scene;
-    let posed = scene::pose(scene);
+    let posed = scene::pose(scene, 0.0);
     let world = |v: DVec3| posed.primitives[0].world_from_local.transform_point3(v);
     // Scale, quarter turn about Z, translation, then the parent: (x, y) -> (-3y, x) -> (10 - 6y, 2x + 2).
     for (local, expected) in
@@ -347,7 +347,7 @@ fn instances_have_the_transforms_of_their_accessors() {
     );
     let scene = file.with(node).load().unwrap().scene;
     let translations: Vec<DVec3> =
-        scene::pose(scene).primitives.iter().map(|p| p.world_from_local.translation).collect();
+        scene::pose(scene, 0.0).primitives.iter().map(|p| p.world_from_local.translation).collect();
     assert_eq!(translations, [DVec3::new(1.0, 0.0, 9.0), DVec3::new(0.0, 5.0, 9.0)]);
 }
 

@@ -86,7 +86,7 @@ impl<'a> ExpectedPicture<'a> {
     pub fn new(subject: &'a ComparisonSubject, row_done: impl Fn() + Sync) -> Result<Self, LightError> {
         let tube = Tube::new(&subject.light)?;
         let source = ReferenceLight::Bendy(tube.clone());
-        let posed = scene::pose(subject.scene.clone());
+        let posed = scene::pose(subject.scene.clone(), 0.0);
         let reach = posed.half_extent.length();
         let mut expected = Self {
             subject,

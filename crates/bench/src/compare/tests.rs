@@ -25,7 +25,7 @@ fn drawn_by(backend: Backend, subject: &ComparisonSubject) -> RenderedSubject {
     let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
     let shared = || Mutex::new(Renderer::new(Arc::new(open())).expect("the device works"));
     let mut renderer = SHARED[backend as usize].get_or_init(shared).lock().unwrap_or_else(PoisonError::into_inner);
-    renderer.set_scene(&scene::pose(subject.scene.clone())).expect("fits");
+    renderer.set_scene(&scene::pose(subject.scene.clone(), 0.0)).expect("fits");
     RenderedSubject::new(&mut renderer, subject, ShadowSettings::default()).expect("drawn")
 }
 

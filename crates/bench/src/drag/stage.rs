@@ -24,7 +24,7 @@ impl TrialScene {
     /// Makes a stage with the first camera, or with one that frames the scene, which is the default of
     /// `bendylights drag`.
     pub fn new(name: &str, scene: Scene, cameras: &[Camera], size: [u32; 2]) -> Self {
-        let reference = Reference::new(scene::pose(scene));
+        let reference = Reference::new(scene::pose(scene, 0.0));
         let [width, height] = size.map(f64::from);
         let framing = || framing_camera(&reference.bvh.posed.bounds(), width / height);
         let camera = cameras.first().cloned().unwrap_or_else(framing);

@@ -144,7 +144,7 @@ pub(super) fn measured(bench: &mut Bench, plan: &GrowthPlan) -> Result<Vec<Growt
 fn point(bench: &mut Bench, axis: &str, setting: GrowthSetting) -> Result<GrowthPoint, BenchError> {
     let GrowthSetting { value, scene, lights, size: [width, height], reference_divisor: smaller } = setting;
     bench.step(format!("{axis} {value}"));
-    let posed = scene::pose(scene.clone());
+    let posed = scene::pose(scene.clone(), 0.0);
     for side in &mut bench.backends {
         side.renderer.set_scene(&posed)?;
         side.renderer.set_shadow_settings(ShadowSettings::default())?;

@@ -34,7 +34,7 @@ impl FrameSubject {
     /// Makes a subject of `scene` seen by `camera` in `size` pixels, under `light` alone. A straight light is bent into
     /// three segments. A bent one is straightened for the spotlight.
     pub fn new(name: &str, scene: Scene, camera: Camera, light: &Light, size: [u32; 2]) -> Result<Self, LightError> {
-        let posed = scene::pose(scene);
+        let posed = scene::pose(scene, 0.0);
         let (bent, spot) = bent_and_spot(light, posed.bounds())?;
         Ok(Self { name: name.into(), posed, view: View::beauty(camera, size), bent, spot })
     }

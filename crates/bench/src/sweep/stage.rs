@@ -124,7 +124,7 @@ impl SweepStage {
         let target = DVec3::new(0.4 * (rng.f64() - 0.5), 0.1 + 0.5 * rng.f64(), 0.4 * (rng.f64() - 0.5));
         let [eye, target] = [eye, target].map(|point| ground_in_world + point * things_radius);
         let camera = look(eye, target, 0.6 + 0.4 * rng.f64());
-        let reference = Reference::new(scene::pose(scene));
+        let reference = Reference::new(scene::pose(scene, 0.0));
         let whole = reference.bvh.posed.half_extent.length();
         let is_room = setting == Surroundings::Room;
         Self {
@@ -141,7 +141,7 @@ impl SweepStage {
 
     /// Makes a stage of a scene from a file, seen by its first camera or by one that frames it.
     pub fn of_file(name: &str, scene: Scene, cameras: &[Camera], aspect_ratio: f64) -> Self {
-        let posed = scene::pose(Scene { fill: NO_FILL, ..scene });
+        let posed = scene::pose(Scene { fill: NO_FILL, ..scene }, 0.0);
         let first = cameras.first().cloned();
         let camera = first.unwrap_or_else(|| framing_camera(&posed.bounds(), aspect_ratio));
         let (half, middle) = (posed.half_extent, posed.origin_in_world);

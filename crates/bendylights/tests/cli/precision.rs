@@ -31,7 +31,7 @@ struct Demo {
 impl Demo {
     fn new(loaded: &LoadedScene) -> Self {
         let light = &loaded.contents.lights[0];
-        let reference = Reference::new(scene::pose(loaded.scene.clone()));
+        let reference = Reference::new(scene::pose(loaded.scene.clone(), 0.0));
         let bvh = &reference.bvh;
         let mut seed = 1;
         let points = (0..600).map(|_| {

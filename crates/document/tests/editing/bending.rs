@@ -98,7 +98,7 @@ fn room(pane_at: f64) -> Bvh {
     };
     let meshes = vec![Mesh { name: "wall".into(), primitives: vec![primitive] }];
     let nodes = vec![node(-4.0), node(pane_at)];
-    Bvh::new(scene::pose(Scene { materials: vec![Material::default()], meshes, nodes, ..Scene::default() }))
+    Bvh::new(scene::pose(Scene { materials: vec![Material::default()], meshes, nodes, ..Scene::default() }, 0.0))
 }
 
 /// The control points reach to the first surface on the axis, or past the scene. A log of that needs no scene.

@@ -28,7 +28,7 @@ pub static DEMO: LazyLock<Demo> = LazyLock::new(|| {
     let demo = assets::demo("vases").expect("it is one of the demos");
     let camera = demo.contents.cameras[0].clone();
     let light = Arc::clone(&demo.contents.lights[0]);
-    Demo { bvh: Bvh::new(scene::pose(demo.scene)), view: Viewport { camera, size: [640, 360] }, light }
+    Demo { bvh: Bvh::new(scene::pose(demo.scene, 0.0)), view: Viewport { camera, size: [640, 360] }, light }
 });
 
 /// Returns a document with the demo's light alone.

@@ -277,7 +277,7 @@ fn pane_before_a_wall() -> (TestScene, CheckedLight) {
         rotation: DQuat::from_rotation_arc(DVec3::NEG_Z, DVec3::new(-2.0, 0.0, -5.0).normalize()),
         projection: Projection::Perspective { yfov: 0.6, aspect_ratio: None, znear: 0.01, zfar: None },
     };
-    let bvh = Bvh::new(scene::pose(scene));
+    let bvh = Bvh::new(scene::pose(scene, 0.0));
     let view = Viewport { camera, size: [686, 382] };
     let shares = light::greville_abscissae(SEGMENTS).into_iter().map(|g| g / SEGMENTS as f64);
     let (points, radii) = shares.map(|share| (DVec3::NEG_Z * 8.5 * share, 0.2 + 0.8 * share)).unzip();

@@ -37,7 +37,7 @@ impl Trial {
 
 impl TestScene {
     fn new(name: &str, loaded: assets::LoadedScene) -> Self {
-        let bvh = Bvh::new(scene::pose(loaded.scene));
+        let bvh = Bvh::new(scene::pose(loaded.scene, 0.0));
         let framing = || scene::framing_camera(&bvh.posed.bounds(), 1.8);
         let camera = loaded.contents.cameras.first().cloned().unwrap_or_else(framing);
         Self { name: name.into(), view: Viewport { camera, size: SIZE }, bvh }
@@ -171,7 +171,7 @@ fn boxes(name: &str, boxes: impl IntoIterator<Item = (String, DVec3, DVec3)>) ->
         rotation: DQuat::from_rotation_y(0.219) * DQuat::from_rotation_x(-0.454),
         projection: Projection::Perspective { yfov: 0.7, aspect_ratio: None, znear: 0.01, zfar: None },
     };
-    TestScene { name: name.into(), bvh: Bvh::new(scene::pose(scene)), view: Viewport { camera, size: SIZE } }
+    TestScene { name: name.into(), bvh: Bvh::new(scene::pose(scene, 0.0)), view: Viewport { camera, size: SIZE } }
 }
 
 /// Makes a box of one unit about the origin.

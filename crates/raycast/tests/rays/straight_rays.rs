@@ -89,6 +89,6 @@ fn a_ray_keeps_to_its_range_and_to_what_is_accepted() {
     assert_eq!(ask([0.0, 2.5], |_| true), None);
     assert_eq!(ask([3.5, 9.0], |_| true), None);
     assert_eq!(ask([0.0, 9.0], |_| false), None);
-    let nothing = Bvh::new(scene::pose(Scene::default()));
+    let nothing = Bvh::new(scene::pose(Scene::default(), 0.0));
     assert!(nothing.first_hit(DVec3::ZERO, DVec3::X, [0.0, f64::INFINITY], |_| true).is_none());
 }

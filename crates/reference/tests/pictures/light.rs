@@ -27,7 +27,7 @@ fn a_plane_under_a_cone_has_the_closed_form() {
         let softness = spot.get(CONE_SOFTNESS);
         for light in [spot, bent] {
             let source_of_light = source_of(light);
-            let reference = Reference::new(scene::pose(scene.clone()));
+            let reference = Reference::new(scene::pose(scene.clone(), 0.0));
             let mut lit = 0;
             for surface in centres(&view).filter_map(|at| reference.surface(&view, at)) {
                 let position = surface.position + reference.bvh.posed.origin_in_world;
@@ -90,7 +90,7 @@ fn the_terminator_of_a_sphere_is_where_n_l_is_zero() {
     let source = DVec3::new(5.0, 2.0, 1.0);
     let spot = spot(source, DVec3::ZERO).with(CONE_ANGLE, 20.0).with(RANGE, Some(9.0));
     let light_source = source_of(light::bend(&spot, 3).unwrap());
-    let reference = Reference::new(scene::pose(scene.clone()));
+    let reference = Reference::new(scene::pose(scene.clone(), 0.0));
     let view = view(DVec3::new(0.0, 0.5, 3.4), DVec3::ZERO, Aov::Beauty);
     let lit = |x: f64, y: f64| {
         let surface = reference.surface(&view, DVec2::new(x, y))?;
@@ -152,7 +152,7 @@ fn samples_smooth_edges_and_rows_are_counted() {
     let many = View { samples: 16, ..one.clone() };
     let shares = |frame: &ReferencePicture| frame.pixels.iter().filter(|pixel| pixel[0] % 1.0 != 0.0).count();
     let rows = std::sync::atomic::AtomicU32::new(0);
-    let smooth = Reference::new(scene::pose(scene.clone()))
+    let smooth = Reference::new(scene::pose(scene.clone(), 0.0))
         .render(&many, &instances(&lights), || {
             rows.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         })
@@ -164,7 +164,7 @@ fn samples_smooth_edges_and_rows_are_counted() {
 #[test]
 fn impossible_pictures_are_refused() {
     let scene = ball_over_floor();
-    let reference = Reference::new(scene::pose(scene.clone()));
+    let reference = Reference::new(scene::pose(scene.clone(), 0.0));
     let view = view(DVec3::Y * 3.0, DVec3::ZERO, Aov::T);
     let why = |view: &View| reference.render(view, &[], || {}).unwrap_err().to_string();
     assert!(why(&view).contains("there is no light 0"));

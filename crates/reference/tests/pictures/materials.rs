@@ -29,7 +29,7 @@ fn base_color_at(scene: &Scene, x: f64, z: f64) -> f64 {
     let mut view = view(DVec3::new(x, 1.0, z), DVec3::new(x, 0.0, z), Aov::Beauty);
     view.camera.projection = Projection::Perspective { yfov: 1e-4, aspect_ratio: None, znear: 0.01, zfar: None };
     let middle = DVec2::new(f64::from(view.width), f64::from(view.height)) / 2.0;
-    Reference::new(scene::pose(scene.clone())).surface(&view, middle).expect("the square is there").base_color.x
+    Reference::new(scene::pose(scene.clone(), 0.0)).surface(&view, middle).expect("the square is there").base_color.x
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn far_pictures_are_their_mean_in_linear_light() {
     let mut view = view(DVec3::Y * 2000.0, DVec3::ZERO, Aov::Beauty);
     view.width = 1;
     view.height = 1;
-    let surface = Reference::new(scene::pose(scene.clone())).surface(&view, DVec2::splat(0.5)).unwrap();
+    let surface = Reference::new(scene::pose(scene.clone(), 0.0)).surface(&view, DVec2::splat(0.5)).unwrap();
     let mean = f64::midpoint(linear(30), linear(220));
     assert!((surface.base_color.x - mean).abs() < 1e-12, "{} {mean}", surface.base_color.x);
     // Deliberate fault that the check must detect: the mean of the bytes.

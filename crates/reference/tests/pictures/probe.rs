@@ -17,7 +17,7 @@ use scene::{Aov, Image, Sampler, Scene, TextureRef, View, Wrap};
 use crate::support::{ball_over_floor, centres, floor, instances, looking, render, scene_of, spot, view};
 
 fn for_points(scene: &Scene) -> Reference {
-    Reference::for_point_queries(Arc::new(Bvh::new(scene::pose(scene.clone()))))
+    Reference::for_point_queries(Arc::new(Bvh::new(scene::pose(scene.clone(), 0.0))))
 }
 
 /// Probes the middle of a picture.

@@ -92,7 +92,7 @@ pub fn instances(lights: &[Light]) -> Vec<LightInstance> {
 }
 
 pub fn render(scene: &Scene, view: &View, lights: &[Light]) -> ReferencePicture {
-    let frame = Reference::new(scene::pose(scene.clone()))
+    let frame = Reference::new(scene::pose(scene.clone(), 0.0))
         .render(view, &instances(lights), || {})
         .expect("test pictures can be made");
     assert!(frame.pixels.iter().flatten().all(|x| x.is_finite()), "{:?} holds NaN or infinity", view.aov);

@@ -26,7 +26,7 @@ fn kinds() -> [CheckedLight; 2] {
 
 /// Returns every point inside the light that the view sees.
 fn samples_in_view(scene: &Scene, view: &View, kind: &CheckedLight) -> Vec<(ShadedPoint, LightSample)> {
-    let (reference, source) = (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(kind));
+    let (reference, source) = (Reference::new(scene::pose(scene.clone(), 0.0)), ReferenceLight::new(kind));
     let sample = |surface: ShadedPoint| Some((surface, reference.sample(&source, &surface)?));
     centres(view).filter_map(|pixel| reference.surface(view, pixel)).filter_map(sample).collect()
 }
@@ -44,7 +44,7 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
             assert_eq!(wrong, 0, "{facets} facets, of {}", seen.len());
             // Deliberate fault that the check must detect, the former behavior: facets that face away are dark and
             // shadow those behind them.
-            let (reference, source) = (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(&kind));
+            let (reference, source) = (Reference::new(scene::pose(scene.clone(), 0.0)), ReferenceLight::new(&kind));
             let is_wrong_if_flat = |(surface, light): &&(ShadedPoint, LightSample)| {
                 let mut flat = *surface;
                 flat.seen.terminator_offset = 0.0;

@@ -1,10 +1,15 @@
 //! Structs of the bent passes, in WGSL layout.
 
-use super::faces::MAX_FACES;
+use super::MAX_FACES;
 use crate::gpu_structs::{LightProfile, Mat4, gpu_structs};
 
 /// Columns of a 3 x 3 matrix, each followed by padding.
 pub(crate) type Mat3 = [[f32; 4]; 3];
+
+/// Returns the columns of a matrix, each followed by padding.
+pub(super) fn columns(matrix: &glam::Mat3) -> Mat3 {
+    matrix.to_cols_array_2d().map(|[x, y, z]| [x, y, z, 0.0])
+}
 
 gpu_structs! {
     /// Quadratic piece of a tube in `curve.wgsl`: `light::Curve` in f32.

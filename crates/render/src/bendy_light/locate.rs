@@ -1,7 +1,9 @@
 //! Locates points in a light on the adapter, with the shaders of pictures, for `eval` and for tests.
 
 use glam::{DVec3, Vec3};
-use light::{EndMode, LightPart, Tube, TubeLocation, TubePoint};
+use light::{EndMode, Tube, TubeLocation, TubePoint};
+use relight::BentMapParams;
+use shadow::{PlacedBent, tube_from_scene};
 use wgpu::BufferUsages;
 
 use super::gpu_structs::LocatedRoot;
@@ -20,13 +22,15 @@ const ROOTS_PER_DISPATCH: usize = (16 << 20) / size_of::<LocatedRoot>();
 /// for a scene (see [`light::LightPart`]). The accuracy is that of [`light::Tube`] with eps = 2^-24.
 pub fn locate(gpu: &Gpu, light: &Tube<f64>, points_in_world: &[DVec3]) -> Result<Vec<TubeLocation>, RenderError> {
     let part = light.part_near_points(points_in_world);
-    let tube = &part.tube;
+    let tube_from_scene = tube_from_scene(&part.tube, DVec3::ZERO);
+    let placed = PlacedBent { part, tube_from_scene, shape: None, map: BentMapParams::default() };
+    let tube = &placed.part.tube;
     gpu.with_error_scopes(|| {
         let wgsl = Baked::of(tube, false, ShadowFilter::default()).into_wgsl(shaders::LOCATE);
         let pipeline = gpu.compute_pipeline("locate", &wgsl, "locate");
         let mut locations = Vec::with_capacity(points_in_world.len());
         for points in points_in_world.chunks(ROOTS_PER_DISPATCH / roots_a_point(tube)) {
-            locations.extend(dispatch(gpu, &pipeline, &part, points)?);
+            locations.extend(dispatch(gpu, &pipeline, &placed, points)?);
         }
         Ok(locations)
     })
@@ -40,15 +44,16 @@ fn roots_a_point(tube: &Tube<f64>) -> usize {
 fn dispatch(
     gpu: &Gpu,
     pipeline: &wgpu::ComputePipeline,
-    part: &LightPart,
+    placed: &PlacedBent,
     points_in_world: &[DVec3],
 ) -> Result<Vec<TubeLocation>, RenderError> {
+    let part = &placed.part;
     let tube = &part.tube;
     let stride = roots_a_point(tube);
     let points: Vec<[f32; 4]> =
         points_in_world.iter().map(|&p| tube.placement.tube_from_world(p).as_vec3().extend(0.0).to_array()).collect();
     let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-    let light = gpu.uniform_with("light", &uniform(part, DVec3::ZERO));
+    let light = gpu.uniform_with("light", &uniform(placed));
     let segments = gpu.buffer_with("segments", &segments(tube), BufferUsages::UNIFORM);
     let points = gpu.buffer_with("points", &points, BufferUsages::STORAGE);
     // Filled so that an unwritten point differs from one without roots.

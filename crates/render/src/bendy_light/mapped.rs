@@ -2,13 +2,12 @@
 
 use glam::{DVec3, Vec4};
 use light::Tube;
+use shadow::{VERTICES_PER_BLOCK, slabs, t_max};
 use wgpu::BufferUsages;
 
+use super::bent_map::bent_map_uniforms;
 use super::gpu_structs::{BentMap, Slab};
-use super::shadow::bent_map_uniforms;
-use super::slab::{SLABS_PER_UNIFORM, padded, slabs};
-use super::t_max;
-use crate::clusters::VERTICES_PER_BLOCK;
+use super::slab::{SLABS_PER_UNIFORM, padded};
 use crate::pipeline::entire;
 use crate::{Gpu, RenderError, readback, shaders};
 

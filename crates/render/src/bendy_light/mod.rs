@@ -1,17 +1,13 @@
 //! BendyLights on the GPU: the tube as buffers, bent shadow maps, and location of points.
 
 mod alpha_tested_draw;
-mod faces;
-mod fit;
+mod bent_map;
 pub(crate) mod gpu_structs;
 mod increasing_roots;
 mod locate;
-mod map_shape;
 mod mapped;
 mod native;
-mod near_slabs;
 mod pass;
-mod shadow;
 mod shadow_buffers;
 mod slab;
 #[cfg(test)]
@@ -20,64 +16,27 @@ pub(crate) mod tests;
 pub(crate) mod walk;
 mod wireframe;
 
-use glam::{DMat3, DMat4, DVec3};
-use light::MAX_EXTENT;
-use light::{Curve, DirectionMode, EndMode, FrameMode, LightPart, Segment, Tube};
+use light::{Curve, DirectionMode, EndMode, FrameMode, Segment, Tube};
+use shadow::PlacedBent;
 
-use crate::baked_filter::BakedFilter;
-use crate::clusters::ClusterBounds;
-use crate::gpu_structs::Mat4;
-use crate::shadow_settings::with_filter;
-use crate::{ShadowFilter, ShadowSettings};
+use crate::ShadowFilter;
+use crate::baked_filter::{BakedFilter, with_filter};
 
-pub(crate) use faces::face_count;
 pub use increasing_roots::increasing_roots;
 pub use locate::locate;
-pub(crate) use map_shape::MapShape;
 pub use mapped::map_points;
-pub(crate) use native::{draw_map, placed};
-pub(crate) use pass::{BendyPass, BendySlot, corners_in_world};
+pub(crate) use native::draw_map;
+pub(crate) use pass::BendyPass;
 pub(crate) use shadow_buffers::BentMapBuffers;
 
+/// Length of the arrays of faces in the shaders.
+const MAX_FACES: usize = 5;
 /// Length of the array of segments in `tube.wgsl`: the most segments of a light, and the extension.
 const SEGMENT_CAPACITY: usize = light::MAX_SEGMENTS + 1;
 
 /// Largest color and intensity. Their product is finite in f32, and `profile.wgsl` keeps its product with exposure,
 /// decay and the BRDF within f32.
 const MAX_INTENSITY: f32 = 1e15;
-
-/// Returns the matrix from scene space (world axes, origin at `scene_origin`) to tube space, as columns, composed in
-/// f64.
-fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
-    let placement = &tube.placement;
-    let rotation = placement.rotation.transpose() * DMat3::from_diagonal(DVec3::splat(1.0 / placement.world_per_tube));
-    let offset = placement.tube_from_world(scene_origin);
-    let matrix = DMat4::from_cols(
-        rotation.x_axis.extend(0.0),
-        rotation.y_axis.extend(0.0),
-        rotation.z_axis.extend(0.0),
-        offset.extend(1.0),
-    );
-    matrix.as_mat4().to_cols_array_2d()
-}
-
-/// Returns the upper bound of t within `half_extent` of the scene's origin: the end of the light, or of the part of its
-/// extension that reaches the scene.
-pub(crate) fn t_max(tube: &Tube<f64>, scene_origin: DVec3, half_extent: DVec3) -> f64 {
-    let n = tube.n as f64;
-    if tube.end_mode() == EndMode::Cut {
-        return n;
-    }
-    let last = &tube.segments[tube.n].curve;
-    let scene = ClusterBounds { center: scene_origin, half: half_extent };
-    let farthest = scene
-        .corners()
-        .into_iter()
-        .map(|corner| (tube.placement.tube_from_world(corner) - last.b0).dot(last.d0))
-        .fold(0.0, f64::max);
-    // One percent more, so that the far corner itself is inside.
-    n + (farthest / (2.0 * last.d0.length_squared())) * 1.01 + 1e-3
-}
 
 fn gpu_curve(curve: &Curve<f32>, t_start: f32, t_span: f32) -> gpu_structs::Curve {
     let bounds = &curve.bounds;
@@ -205,44 +164,28 @@ pub(crate) fn segments(tube: &Tube<f64>) -> Vec<gpu_structs::Segment> {
     segments
 }
 
-/// Returns the light's uniform for `tube.wgsl`, without the fields of its shadow map.
-pub(crate) fn uniform(part: &LightPart, scene_origin: DVec3) -> gpu_structs::BendyLight {
+/// Returns the uniform of a light for `tube.wgsl`.
+pub(crate) fn uniform(placed: &PlacedBent) -> gpu_structs::BendyLight {
+    let PlacedBent { part, tube_from_scene, shape, map } = placed;
     let tube = &part.tube;
     let rotation = tube.placement.rotation.as_mat3();
     gpu_structs::BendyLight {
-        tube_from_scene: tube_from_scene(tube, scene_origin),
+        tube_from_scene: tube_from_scene.to_cols_array_2d(),
         world_from_tube: [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|c| c.extend(0.0).to_array()),
         up: tube.up.as_vec3().to_array(),
         segment_count: tube.n as u32,
         world_per_tube: tube.placement.world_per_tube as f32,
+        map_t_base: map.t_base,
+        map_t_span: map.t_span,
+        map_t_last: map.t_last,
+        slope: map.slope.unwrap_or(1.0),
+        shadow_resolution: shape.as_ref().map_or(0, |shape| shape.side) as f32,
+        shadow_tolerance_texels: map.tolerance_texels,
+        mesh_error: map.mesh_error,
         t_start: part.t_start as f32,
         t_span: part.t_span as f32,
+        pad0: [0.0; 2],
         light_profile: (&tube.light_profile).into(),
-        ..gpu_structs::BendyLight::default()
-    }
-}
-
-/// Returns the mesh error in tube space, at most the extent of the scene: a larger one has the same effect.
-fn mesh_error_in_tube(tube: &Tube<f64>, map: &MapShape) -> f32 {
-    (map.mesh_error / tube.placement.world_per_tube).min(MAX_EXTENT) as f32
-}
-
-/// Returns the light's uniform for `tube.wgsl`, with its shadow map.
-pub(crate) fn uniform_with_map(
-    part: &LightPart,
-    scene_origin: DVec3,
-    map: &MapShape,
-    shadows: &ShadowSettings,
-) -> gpu_structs::BendyLight {
-    gpu_structs::BendyLight {
-        map_t_base: map.t_base() as f32,
-        map_t_span: map.t_span() as f32,
-        map_t_last: map.t_last() as f32,
-        slope: map.slope() as f32,
-        shadow_resolution: map.side as f32,
-        shadow_tolerance_texels: shadows.bent_tolerance_texels(),
-        mesh_error: mesh_error_in_tube(&part.tube, map),
-        fits: map.fits(),
-        ..uniform(part, scene_origin)
+        fits: map.fits,
     }
 }

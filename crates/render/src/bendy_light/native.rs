@@ -1,61 +1,48 @@
-//! BendyLights on the CPU: the light's numbers for `relight`, and its map.
+//! Maps of BendyLights on the CPU.
 
-use glam::{Mat3, Mat4, Vec3};
-use light::{CheckedLight, LightPart, Tube};
-use relight::{AlphaTests, BentFace, BentMap, BentMapParams, DepthMap, RelitBent, TubeSpace};
+use relight::{AlphaTests, BentFace, BentMap, DepthMap, TubeSpace};
+use shadow::{CastersNearSlabs, MapShape, PlacedBent, slab_bounds, slabs_of_map};
 
-use super::map_shape::MapShape;
-use super::near_slabs::CastersNearSlabs;
-use super::pass::fit_bent_map;
-use super::slab;
-use super::{mesh_error_in_tube, tube_from_scene};
-use crate::gpu_scene::GpuScene;
+use crate::alpha_test::GpuAlphaTests;
 use crate::host_scene::caster_scene;
-use crate::linked::CasterSource;
+use crate::map_source::MapSource;
 use crate::stages::FrameStage;
-use crate::{Gpu, RenderError, ShadowSettings};
+use crate::{Gpu, RenderError};
 
-/// Draws the shadow map of `light` into `into`, at its size. The casters are those of the source, or its coarse ones if
-/// they are accurate enough. Returns the shape of the map.
+/// Draws the map of a light into `into`, at its size. `shape` is that of the map.
 pub(crate) fn draw_map(
     gpu: &Gpu,
     work: &mut relight::BentMapBuilder,
-    light: &CheckedLight,
-    tube: &Tube<f64>,
-    source: CasterSource,
+    placed: &PlacedBent,
+    shape: &MapShape,
+    source: &MapSource,
     into: &mut DepthMap,
-) -> Result<MapShape, RenderError> {
-    let CasterSource { scene, shadows, .. } = source;
-    let (origin, workers) = (scene.posed.origin_in_world, gpu.workers());
-    let part = tube.part_near(origin, scene.posed.half_extent);
-    let tube = &part.tube;
-    let (casting, map) = fit_bent_map(gpu, tube, light.light(), source)?;
-    let slabs = slab::slabs_of_map(tube, &map, shadows);
-    let near = CastersNearSlabs::new(casting.casters, tube, origin, &map, &slabs, shadows.culling);
-    let bounds = slab::bounds(&slabs);
+) -> Result<(), RenderError> {
+    let MapSource { scene, casting, shadows, .. } = *source;
+    let (origin, workers, tube) = (scene.posed.origin_in_world, gpu.workers(), &placed.part.tube);
+    let slabs = slabs_of_map(tube, shape, shadows);
+    let clusters = &casting.casters.clusters;
+    let near = CastersNearSlabs::new(clusters, tube, origin, shape, &slabs, shadows.culling);
+    let bounds = slab_bounds(&slabs);
     let slabs: Vec<_> = slabs.into_iter().map(|boxed| boxed.slab).collect();
-    let faces: Vec<BentFace> = (0..map.face_count()).map(|face| face_of(&map, face)).collect();
+    let faces: Vec<BentFace> = (0..shape.face_count()).map(|face| shape.face(face)).collect();
     let drawn = BentMap {
-        space: TubeSpace {
-            from_scene: Mat4::from_cols_array_2d(&tube_from_scene(tube, origin)),
-            frame: tube.frame,
-            up: tube.up.as_vec3(),
-        },
+        space: TubeSpace { from_scene: placed.tube_from_scene, frame: tube.frame, up: tube.up.as_vec3() },
         slabs: &slabs,
         bounds,
         faces: &faces,
-        cube_slope: map.is_cube().then(|| map.slope() as f32),
-        texels_per_vw: map.texels_per_vw() as f32,
+        cube_slope: placed.map.slope,
+        texels_per_vw: shape.texels_per_vw() as f32,
         tolerance_texels: shadows.split_above_texels(),
     };
     let host = casting.casters.host.as_deref().expect("it is there where the processor draws");
     let casters = relight::BentCasters {
         positions: &host.positions,
         indices: &host.indices,
-        opaque_triangles: casting.casters.opaque_indices / 3,
+        opaque_triangles: clusters.opaque_triangles,
         leaves: &near.leaves,
         blocks: &near.blocks,
-        alpha_tests: casting.alpha_tests.map_or_else(AlphaTests::default, crate::alpha_test::GpuAlphaTests::host),
+        alpha_tests: casting.alpha_tests.map_or_else(AlphaTests::default, GpuAlphaTests::host),
         scene: &caster_scene(scene, None),
     };
     work.map_vertices(workers, &drawn, &casters);
@@ -70,42 +57,9 @@ pub(crate) fn draw_map(
         counters.triangles_seen += u64::from(near.triangles);
         counters.triangles_split += split;
         counters.triangles_drawn += triangles;
-        counters.texels += map.face_count() as u64 * u64::from(map.side).pow(2);
+        counters.texels += shape.face_count() as u64 * u64::from(shape.side).pow(2);
     });
-    Ok(map)
-}
-
-fn face_of(map: &MapShape, face: usize) -> BentFace {
-    let shadow = map.shadow_uniforms(face);
-    let [x, y, z] = shadow.clip_from_mapped.map(|[x, y, z, _]| Vec3::new(x, y, z));
-    BentFace {
-        clip_from_mapped: Mat3::from_cols(x, y, z),
-        row_divisor: shadow.row,
-        depth_per_t: shadow.depth_per_t,
-        has_casters: map.has_casters(face),
-    }
-}
-
-/// Makes the light in the form that `relight` draws, with the shape of its map.
-pub(crate) fn placed(
-    tube: &Tube<f64>,
-    scene: &GpuScene,
-    map: Option<&MapShape>,
-    shadows: &ShadowSettings,
-) -> RelitBent {
-    let origin = scene.posed.origin_in_world;
-    let LightPart { tube, .. } = &tube.part_near(origin, scene.posed.half_extent);
-    let params = map.map_or_else(BentMapParams::default, |map| BentMapParams {
-        t_base: map.t_base() as f32,
-        t_span: map.t_span() as f32,
-        t_last: map.t_last() as f32,
-        slope: map.is_cube().then(|| map.slope() as f32),
-        tolerance_texels: shadows.bent_tolerance_texels(),
-        mesh_error: mesh_error_in_tube(tube, map),
-        fits: map.fits(),
-        filter: shadows.filter,
-    });
-    RelitBent::new(tube, Mat4::from_cols_array_2d(&tube_from_scene(tube, origin)), params)
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,17 +1,16 @@
 //! Buffers of bent shadow maps. They start small and grow if a scene needs more.
 
+use relight::BentFace;
+use shadow::{CastersNearSlabs, MapShape, VERTICES_PER_BLOCK};
 use wgpu::{
     BindingResource, Buffer, BufferBinding, BufferUsages, CommandEncoder, VertexAttribute, VertexBufferLayout,
     VertexStepMode,
 };
 
-use super::faces::MAX_FACES;
-use super::gpu_structs::{BentCounts, BentMap, BentShadow, Patch, Slab};
-use super::map_shape::MapShape;
-use super::near_slabs::CastersNearSlabs;
+use super::MAX_FACES;
+use super::gpu_structs::{self, BentCounts, BentMap, BentShadow, Patch, Slab};
 use super::slab::SLABS_PER_UNIFORM;
 use crate::casters::Casters;
-use crate::clusters::VERTICES_PER_BLOCK;
 use crate::memory::Evictable;
 use crate::stages::{FrameStage, WorkCounters};
 use crate::{Gpu, RenderError, readback};
@@ -278,7 +277,10 @@ impl Buffers {
         gpu.queue.write_buffer(&self.blocks, 0, bytemuck::cast_slice(&near.blocks));
         gpu.queue.write_buffer(&self.leaves, 0, bytemuck::cast_slice(&near.leaves));
         for (face, buffer) in self.faces.iter().enumerate().take(shape.face_count()) {
-            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&shape.shadow_uniforms(face)));
+            let BentFace { clip_from_mapped, row_divisor, depth_per_t, .. } = shape.face(face);
+            let clip_from_mapped = gpu_structs::columns(&clip_from_mapped);
+            let uniform = BentShadow { clip_from_mapped, row: row_divisor, depth_per_t, pad0: 0.0 };
+            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
         }
         gpu.queue.write_buffer(&self.counts, 0, bytemuck::bytes_of(&counts));
     }

@@ -2,6 +2,7 @@
 //!
 //! Pictures and counts here hold for both backends; `tests/device.rs` tests features of the wgpu backend alone.
 
+mod culling;
 mod device;
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -121,7 +122,7 @@ pub(crate) fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     let first = first.lock().unwrap_or_else(PoisonError::into_inner);
     let mut renderer = first.with_same_pipelines().expect("the device works");
     renderer.set_shadow_settings(ShadowSettings { straighten: false, ..ShadowSettings::default() }).expect("sound");
-    renderer.set_scene(&scene::pose(scene.clone())).expect("fits");
+    renderer.set_scene(&scene::pose(scene.clone(), 0.0)).expect("fits");
     renderer
 }
 
@@ -144,7 +145,7 @@ impl Setup {
         let (scene, light) = (scene(), light());
         let tube = Tube::new(&light).expect("valid");
         let renderer = renderer_of(backend, &scene);
-        let posed = pose(scene);
+        let posed = pose(scene, 0.0);
         let corners = |primitive: &PosedPrimitive| {
             let first = primitive.first_vertex;
             let corner = |k: u32| {

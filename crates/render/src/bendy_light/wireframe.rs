@@ -2,10 +2,10 @@
 
 use std::mem::offset_of;
 
+use shadow::MapShape;
 use wgpu::{Buffer, CommandEncoder, RenderPipeline, TextureView};
 
 use super::gpu_structs::{BentCounts, Wireframe};
-use super::map_shape::MapShape;
 use super::shadow_buffers::Buffers;
 use crate::pipeline::{DrawPipeline, END_OF_LIGHT, color_attachment, depth_attachment, depth_test, entire};
 use crate::{Gpu, lighting, shaders};

@@ -7,7 +7,6 @@ use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, END_MODE, RANGE, ROTAT
 use light::{Decay, EndMode, Light, LightInstance, Tube};
 use scene::{MapScale, Material, Primitive, Scene};
 
-use super::{MAX_TO_RMS_ERROR, simplify};
 use crate::bendy_light::tests::{add_mesh, alone, position, renderer, view};
 use crate::bendy_light::walk;
 use crate::{Aov, Renderer, ShadowSettings, View};
@@ -253,66 +252,11 @@ fn the_order_of_scene_and_settings_does_not_matter() {
     scene_first.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
     let mut settings_first = renderer(&Scene::default());
     settings_first.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
-    settings_first.set_scene(&scene::pose(bowl())).expect("fits");
-    settings_first.set_scene(&scene::pose(ball())).expect("fits");
+    settings_first.set_scene(&scene::pose(bowl(), 0.0)).expect("fits");
+    settings_first.set_scene(&scene::pose(ball(), 0.0)).expect("fits");
     let picture = |renderer: &mut Renderer| renderer.render(&view(Aov::Beauty), &lights).expect("drawn");
     let expected = picture(&mut scene_first);
     assert_eq!(picture(&mut settings_first), expected);
-    scene_first.set_scene(&scene::pose(bowl())).expect("fits");
+    scene_first.set_scene(&scene::pose(bowl(), 0.0)).expect("fits");
     assert_ne!(picture(&mut scene_first), expected, "a planted change is seen");
-}
-
-/// Returns the largest distance of `mesh` from the unit sphere, over its corners and points between.
-fn farthest(mesh: &super::Mesh) -> f64 {
-    const STEPS: u32 = 10;
-    let corners = |triangle: &[u32; 3]| triangle.map(|k| Vec3::from(mesh.positions[k as usize]).as_dvec3());
-    let between = |[a, b, c]: [DVec3; 3]| {
-        (0..=STEPS).flat_map(move |i| (0..=STEPS - i).map(move |j| (i, j))).map(move |(i, j)| {
-            let (b_share, c_share) = (f64::from(i) / f64::from(STEPS), f64::from(j) / f64::from(STEPS));
-            a.lerp(b, b_share) + (c - a) * c_share
-        })
-    };
-    let points = mesh.indices.as_chunks().0.iter().map(corners).flat_map(between);
-    points.map(|point| (point.length() - 1.0).abs()).fold(0.0, f64::max)
-}
-
-/// Every point of the simplified mesh is within the permitted distance of the sphere. With the mean taken for the
-/// maximum it is not.
-#[test]
-fn simplified_meshes_stay_within_the_error() {
-    for primitive in [sphere(PI, 96, 192, false), sphere(PI / 4.0, 96, 192, true)] {
-        let positions: Vec<_> = primitive.positions.iter().map(Vec3::to_array).collect();
-        let left = |error: f64| simplify(&positions, (&primitive.indices, &[]), error);
-        for error in [0.003, 0.01, 0.03, 0.1] {
-            let mesh = left(error);
-            assert!(mesh.indices.len() * 4 < primitive.indices.len(), "{error}: {}", mesh.indices.len());
-            assert!(farthest(&mesh) < error, "{error}: {}", farthest(&mesh));
-            assert!(farthest(&left(MAX_TO_RMS_ERROR * error)) > error, "{error}: the planted fault went unseen");
-        }
-        // Below f32 precision: all triangles remain but those without area at the poles.
-        let least = left(1e-4).indices.len();
-        assert!(least > primitive.indices.len() * 9 / 10, "{least}");
-    }
-}
-
-/// Alpha-tested triangles stay unchanged, and degenerate triangles are harmless.
-#[test]
-fn alpha_tested_and_degenerate_triangles_are_not_simplified() {
-    let primitive = sphere(PI, 24, 48, false);
-    let positions: Vec<_> = primitive.positions.iter().map(Vec3::to_array).collect();
-    let corners = |mesh: &super::Mesh| mesh.indices.iter().map(|&k| mesh.positions[k as usize]).collect::<Vec<_>>();
-    let alpha_tested = simplify(&positions, (&[], &primitive.indices), 0.1);
-    assert_eq!((alpha_tested.opaque_indices, corners(&alpha_tested)), (0, positions.clone()));
-    let (opaque, rest) = primitive.indices.split_at(primitive.indices.len() / 2);
-    let both = simplify(&positions, (opaque, rest), 0.1);
-    assert!(both.opaque_indices > 0 && both.opaque_indices < opaque.len() / 2);
-    assert_eq!(corners(&both)[both.opaque_indices..], positions[opaque.len()..]);
-
-    assert_eq!(simplify(&[], (&[], &[]), 1.0).indices, [0_u32; 0]);
-    assert_eq!(simplify(&[[1.0; 3]; 3], (&[0, 1, 2], &[]), 1.0).indices, [0_u32; 0], "one point");
-    let line = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
-    for error in [f64::MIN_POSITIVE, 1.0, f64::MAX] {
-        assert!(simplify(&line, (&[0, 1, 2], &[]), error).indices.len() <= 3);
-        assert!(simplify(&positions, (&primitive.indices, &[]), error).indices.len() < primitive.indices.len());
-    }
 }

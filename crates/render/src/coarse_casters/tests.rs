@@ -97,7 +97,7 @@ fn narrow_lights_have_exact_casters() {
 #[test]
 fn another_scene_gives_their_memory_back() {
     let (mut renderer, light) = with_coarse_casters();
-    renderer.set_scene(&scene::pose(ball_over(FLOOR))).expect("fits");
+    renderer.set_scene(&scene::pose(ball_over(FLOOR), 0.0)).expect("fits");
     draw(&mut renderer, &view(Aov::Visibility), &light);
     assert!(renderer.coarse_casters().made().is_none());
 }
@@ -108,7 +108,7 @@ fn scenes_that_move_make_none() {
     let mut renderer = fresh();
     let (light, _) = &lights()[2];
     for k in 0..6 {
-        renderer.set_scene(&scene::pose(ball_over(FLOOR))).expect("fits");
+        renderer.set_scene(&scene::pose(ball_over(FLOOR), 0.0)).expect("fits");
         let view = View { slot: ViewSlot(1), ..half(Aov::Visibility) };
         draw(&mut renderer, &view, &dragged(light, k));
         assert!(!renderer.coarse_casters().is_begun(), "{k}");

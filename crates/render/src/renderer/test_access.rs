@@ -1,9 +1,10 @@
 //! Access for tests of this crate, to inspect data and to plant faults.
 
 use scene::View;
+use shadow::MapShape;
 
 use super::Renderer;
-use crate::bendy_light::{BentMapBuffers, MapShape};
+use crate::bendy_light::BentMapBuffers;
 use crate::coarse_casters::CoarseCasters;
 use crate::gpu_scene::GpuScene;
 use crate::targets::Targets;

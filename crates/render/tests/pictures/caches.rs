@@ -60,7 +60,10 @@ fn only_what_changed_is_drawn_again() {
         assert_eq!(runs(backend, |_, view, _| view.width = 34), gbuffer);
         assert_eq!(runs(backend, |_, view, _| view.camera.name = "other".into()), LIT);
         let everything = PassCounts { gbuffer: 1, shadow: 2, ..LIT };
-        assert_eq!(runs(backend, |renderer, _, _| renderer.set_scene(&scene::pose(tables())).unwrap()), everything);
+        assert_eq!(
+            runs(backend, |renderer, _, _| renderer.set_scene(&scene::pose(tables(), 0.0)).unwrap()),
+            everything
+        );
         // Each sample has its own G-buffer, but shadows are drawn once.
         assert_eq!(runs(backend, |_, view, _| view.samples = 4), PassCounts { gbuffer: 4, lighting: 4, ..LIT });
         assert_eq!(runs(backend, |renderer, view, _| renderer.drop_view(view.slot)), everything);
@@ -112,7 +115,7 @@ fn a_moved_camera_draws_no_map() {
         assert_eq!(drawn, picture(&tables(), &view, &lights));
     }
     // Deliberate fault that the check must detect: a changed scene has maps of its own.
-    kept.set_scene(&scene::pose(scene_of([floor(3.0, 0.0)], vec![Material::default()]))).unwrap();
+    kept.set_scene(&scene::pose(scene_of([floor(3.0, 0.0)], vec![Material::default()]), 0.0)).unwrap();
     kept.render(&view(eyes[0], DVec3::ZERO, [33, 21], Aov::Beauty), &instances(&lights)).unwrap();
     assert_eq!(kept.counts().shadow, 8);
 }
@@ -251,7 +254,7 @@ fn a_failed_scene_leaves_the_one_before() {
     let before = renderer.render(&view, &[]).unwrap();
     let mut huge = tables();
     huge.nodes[0].parent_from_local.translation.x = 1e200;
-    assert!(matches!(renderer.set_scene(&scene::pose(huge.clone())), Err(RenderError::TooLarge { .. })));
+    assert!(matches!(renderer.set_scene(&scene::pose(huge.clone(), 0.0)), Err(RenderError::TooLarge { .. })));
     assert_eq!(renderer.render(&view, &[]).unwrap(), before);
 }
 
@@ -268,7 +271,7 @@ fn renderers_share_a_device() {
     // Shared pipelines, but each renderer has its own scene, viewers and counts.
     let mut another = full.with_same_pipelines().unwrap();
     assert_eq!(another.render(&view, &[]).unwrap(), empty.render(&view, &[]).unwrap());
-    another.set_scene(&scene::pose(tables())).unwrap();
+    another.set_scene(&scene::pose(tables(), 0.0)).unwrap();
     assert_eq!(another.render(&view, &[]).unwrap(), full.render(&view, &[]).unwrap());
     assert_eq!(another.counts(), PassCounts { gbuffer: 2, lighting: 2, ..PassCounts::default() });
 }

@@ -207,7 +207,7 @@ fn passes_say_why_they_ran() {
     assert_eq!(ran(&mut renderer, &view, &lights), all(Vec::new(), moved));
     view.camera.translation += DVec3::X * 0.01;
     assert_eq!(ran(&mut renderer, &view, &lights), all(base(Cause::Camera), both(None, Cause::Gbuffer)));
-    renderer.set_scene(&scene::pose(tables())).unwrap();
+    renderer.set_scene(&scene::pose(tables(), 0.0)).unwrap();
     let scene = both(Some(Cause::Scene), Cause::Gbuffer);
     assert_eq!(ran(&mut renderer, &view, &lights), all(base(Cause::Scene), scene));
     // Coarser maps serve until finer ones are needed.

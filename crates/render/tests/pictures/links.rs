@@ -159,7 +159,7 @@ fn another_scene_may_have_the_node() {
         let mut renderer = renderer(&tables());
         let lights = instances(&[linked]);
         let mut draw = |scene: &Scene| {
-            renderer.set_scene(&scene::pose(scene.clone())).expect("it fits");
+            renderer.set_scene(&scene::pose(scene.clone(), 0.0)).expect("it fits");
             renderer.render(&seen(Aov::Beauty), &lights).expect("drawn")
         };
         assert_eq!(draw(&tables()), drawn(&tables(), std::slice::from_ref(&key)));

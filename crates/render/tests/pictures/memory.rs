@@ -179,9 +179,7 @@ fn pictures_of_a_light_without_shadows_keep_nothing_more() {
     for backend in BACKENDS {
         let (mut renderer, memory) = renderer(backend, 1 << 30);
         let kept = |memory: &MemoryBudget| memory.bytes(MemoryKind::ShadowMaps);
-        // A map of the CPU serves lights of every shape: the second light would take the first one's.
-        let shapes = if backend == Backend::Wgpu { 2 } else { 1 };
-        for light in lights(shapes) {
+        for light in lights(2) {
             let with = instances(std::slice::from_ref(&light));
             let without = instances(&[light.with(SHADOW_ENABLE, false)]);
             let pictures = |renderer: &mut Renderer| {

@@ -54,7 +54,7 @@ pub fn renderer_on(gpu: Arc<Gpu>, scene: &Scene) -> Renderer {
 fn with_scene(mut renderer: Renderer, scene: &Scene) -> Renderer {
     scene.check().expect("test scenes keep their promises");
     renderer.set_shadow_settings(unstraightened()).expect("sound");
-    renderer.set_scene(&scene::pose(scene.clone())).expect("test scenes fit");
+    renderer.set_scene(&scene::pose(scene.clone(), 0.0)).expect("test scenes fit");
     renderer
 }
 
@@ -65,7 +65,7 @@ pub fn picture(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
     let shared = SHARED.get_or_init(|| Mutex::new(renderer(&Scene::default())));
     // A test that failed with the lock held has left nothing incomplete: drawing restarts with the scene.
     let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
-    shared.set_scene(&scene::pose(scene.clone())).expect("test scenes fit");
+    shared.set_scene(&scene::pose(scene.clone(), 0.0)).expect("test scenes fit");
     let picture = shared.render(view, &instances(lights)).expect("test pictures can be made");
     assert!(picture.pixels.iter().flatten().all(|x| x.is_finite()), "{:?} holds NaN or infinity", view.aov);
     picture

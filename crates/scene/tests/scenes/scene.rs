@@ -34,7 +34,7 @@ fn nested() -> Scene {
 #[test]
 fn placements_are_composed_from_the_root() {
     let scene = nested();
-    let posed = pose(scene.clone());
+    let posed = pose(scene.clone(), 0.0);
     let [primitive] = posed.primitives[..] else { panic!("one node has a mesh") };
     assert_eq!((primitive.node, primitive.mesh_and_primitive), (2, [0, 0]));
     // 10 + 2 (10 + 1): the outermost transform applies last.
@@ -53,7 +53,7 @@ fn mirrored_triangles_keep_their_front() {
     for (scale, triangle) in [(DVec3::ONE, [0, 1, 2]), (DVec3::NEG_X + DVec3::Y + DVec3::Z, [0, 2, 1])] {
         let mut scene = nested();
         scene.nodes[2].parent_from_local = DAffine3::from_scale(scale);
-        let posed = pose(scene);
+        let posed = pose(scene, 0.0);
         let primitive = &posed.primitives[0];
         assert_eq!(posed.triangles(primitive).collect::<Vec<_>>(), [triangle]);
         let [a, b, c] = triangle.map(|vertex| posed.positions[primitive.first_vertex + vertex as usize]);
@@ -103,7 +103,7 @@ fn models_are_framed_without_their_floor() {
         let mut scene = nested();
         scene.nodes = vec![node(None, DAffine3::from_translation(DVec3::new(5.0, 1.0, 0.0)), Some(0))];
         scene.meshes[0].primitives = primitives.to_vec();
-        let subject = pose(scene).subject_bounds();
+        let subject = pose(scene, 0.0).subject_bounds();
         (subject.center, 2.0 * subject.half_extent)
     };
     let mut wall = square(1.0, 0.0);

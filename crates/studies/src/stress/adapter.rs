@@ -66,7 +66,7 @@ impl Adapter {
     }
 
     fn check_backends(&self, shown: StressPicture, mut check: impl FnMut(&mut Renderer) -> Check) -> Check {
-        let posed = scene::pose(shown.scene.clone());
+        let posed = scene::pose(shown.scene.clone(), 0.0);
         for (backend, renderer) in &self.renderers {
             let mut renderer = renderer.borrow_mut();
             renderer.set_shadow_settings(shown.shadows).map_err(|error| no_picture(&error))?;

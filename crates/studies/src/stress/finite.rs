@@ -132,7 +132,7 @@ pub fn check(case: &FiniteCase, adapter: &Adapter, tally: &mut CheckTally) -> Ch
 
 /// Checks a small picture that the reference renders, with the last light.
 fn by_the_reference(scene: &Scene, view: &View, lights: &[LightInstance], tally: &mut CheckTally) -> Check {
-    let reference = Reference::new(scene::pose(scene.clone()));
+    let reference = Reference::new(scene::pose(scene.clone(), 0.0));
     for aov in OF_THE_CAMERA.into_iter().chain(OF_A_LIGHT) {
         let view = View { width: 24, height: 16, aov, ..view.clone() };
         let frame = reference.render(&view, lights, || ()).map_err(|error| error.to_string())?;

@@ -28,7 +28,7 @@ pub fn assert_sound(loaded: &LoadedScene, what: &str) {
         let unit = m.base_color.to_array().into_iter().chain([m.metallic, m.roughness]).chain(m.alpha_cutoff);
         assert!(unit.into_iter().all(|x| (0.0..=1.0).contains(&x)), "{what}: {m:?}");
     }
-    let posed = scene::pose(scene.clone());
+    let posed = scene::pose(scene.clone(), 0.0);
     assert!(posed.origin_in_world.is_finite(), "{what}: the middle of the scene");
     assert!(posed.positions.iter().all(|position| position.is_finite()), "{what}: positions in the scene");
     for camera in &contents.cameras {

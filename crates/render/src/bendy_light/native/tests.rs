@@ -1,5 +1,5 @@
 //! Makes deliberate faults in maps of the native backend. A comparison with the traced paths of `walk.rs`, which uses
-//! no map, must detect each. The faults of wrong culling are in `near_slabs/tests.rs`, those of unsplit edges in
+//! no map, must detect each. The faults of wrong culling are in `tests/culling.rs`, those of unsplit edges in
 //! `../tests.rs`.
 
 use relight::DepthMap;

@@ -2,19 +2,17 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DVec3, Mat4};
+use shadow::{Culling, MapSize, TriangleComponent, visible_runs};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, CommandEncoder, RenderPass, RenderPipeline, TextureView};
 
 use crate::casters::CasterSet;
-use crate::closed_components::TriangleComponent;
 use crate::geometry::Geometry;
 use crate::gpu_scene::GpuScene;
-use crate::in_view::visible_runs;
 use crate::pipeline::{
     DrawPipeline, INFINITELY_FAR, MapTarget, UNIFORM, cut_into_parts, depth_attachment, reversed_depth_test,
     vertex_buffers,
 };
-use crate::shadow_settings::{Culling, MapSize};
 use crate::{Gpu, RenderError, gpu_structs, shaders};
 
 /// Pipelines that draw shadow maps of straight lights. All scenes and lights share them.
@@ -36,7 +34,7 @@ pub(crate) struct ShadowMap {
 /// Views of the faces of a map from its light.
 pub(crate) struct ShadowViews<'a> {
     /// One entry per layer; `None` for a face without casters.
-    pub faces: &'a [Option<gpu_structs::ShadowView>],
+    pub clips_from_scene: &'a [Option<Mat4>],
     /// Point in scene space where light begins; `None` means outside the scene.
     pub source: Option<DVec3>,
     pub culling: Culling,
@@ -85,19 +83,20 @@ impl ShadowPass {
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         into: &ShadowMap,
-        ShadowViews { faces, source, culling }: ShadowViews,
+        ShadowViews { clips_from_scene, source, culling }: ShadowViews,
         scene: &GpuScene,
         casting: &CasterSet,
     ) -> Result<u64, RenderError> {
         let mut triangles = 0;
         let parts = scene.part_count(gpu, u64::from(into.target.size.side).pow(2));
-        for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(faces) {
-            let Some(view) = view else {
+        for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(clips_from_scene) {
+            let Some(clip_from_scene) = view else {
                 drop(begin(encoder, layer, group, true));
                 continue;
             };
-            gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(view));
-            let seen = visible_runs(casting.casters, &view.clip_from_scene, source, culling);
+            let view = gpu_structs::ShadowView { clip_from_scene: clip_from_scene.to_cols_array_2d() };
+            gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(&view));
+            let seen = visible_runs(&casting.casters.clusters, clip_from_scene, source, culling);
             triangles += seen.iter().map(|(indices, _)| indices.len() as u64 / 3).sum::<u64>();
             let runs = self.runs(&scene.geometry, casting, &seen);
             let mut pass = begin(encoder, layer, group, true);

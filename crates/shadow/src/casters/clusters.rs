@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
+use super::closed_components::{ClosedComponents, TriangleComponent};
 use crate::bounds::BoundsF32;
-use crate::closed_components::{ClosedComponents, TriangleComponent};
-use crate::shadow_settings::Culling;
+use crate::settings::Culling;
 
 /// Most triangles of a leaf. The workgroups of `bent_map_triangles.wgsl` have as many threads.
-pub(crate) const TRIANGLES_PER_LEAF: usize = 64;
+pub const TRIANGLES_PER_LEAF: usize = 64;
 /// Vertices of a block. The workgroups of `bent_map_vertices.wgsl` have as many threads.
-pub(crate) const VERTICES_PER_BLOCK: usize = 64;
+pub const VERTICES_PER_BLOCK: usize = 64;
 
 /// Distance to a plane below which a box counts as intersecting the plane, as a share of the numbers that the distance
 /// is computed from. It covers rounding on the CPU and the GPU.
@@ -26,10 +26,14 @@ const SIDE_THICKNESS: f32 = 1e-6;
 ///
 /// Nothing is behind a side, so it casts no visible shadow unless light enters through it.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Clusters {
+pub struct Clusters {
     pub leaves: Vec<ClusterLeaf>,
+    /// Number of leading triangles without an alpha test.
+    pub opaque_triangles: u32,
     /// Indices of the blocks of vertices that the leaves use, leaf by leaf.
     blocks: Vec<u32>,
+    /// Number of blocks of all vertices.
+    pub block_count: u32,
     inner: ClusterTree,
     sides: Vec<(OpenSide, ClusterTree)>,
     /// True if the triangles are a simplification of the scene's surface.
@@ -38,7 +42,7 @@ pub(crate) struct Clusters {
 
 /// Group of up to `TRIANGLES_PER_LEAF` neighbouring triangles, which are adjacent in the list of casters.
 #[derive(Clone, Debug)]
-pub(crate) struct ClusterLeaf {
+pub struct ClusterLeaf {
     pub triangles: Range<u32>,
     pub component: TriangleComponent,
     /// Bounds of all closed components that the leaf's triangles belong to.
@@ -76,7 +80,7 @@ struct Node {
 
 /// An axis-aligned box in scene space.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ClusterBounds {
+pub struct ClusterBounds {
     pub center: DVec3,
     /// Half its size along each axis.
     pub half: DVec3,
@@ -106,7 +110,11 @@ impl ClusterLeaf {
 impl Clusters {
     /// Builds the boxes around triangles in scene space, the first `opaque` of which have no alpha test. Also returns
     /// the order of the leaves' triangles: alpha-tested ones follow the others in their original order.
-    pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]], (opaque, stray): (usize, bool)) -> (Self, Vec<u32>) {
+    pub(crate) fn new(
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        (opaque, is_simplified): (usize, bool),
+    ) -> (Self, Vec<u32>) {
         let corners = |triangle: u32| triangles[triangle as usize].map(|k| Vec3::from(positions[k as usize]));
         let bounds = BoundsF32::of(triangles.iter().flatten().map(|&k| Vec3::from(positions[k as usize])));
         let thickness = SIDE_THICKNESS * (bounds.max - bounds.min).max_element();
@@ -128,7 +136,7 @@ impl Clusters {
         }
         let mut order = Vec::with_capacity(triangles.len());
         let mut leaves_of: [Vec<(BoundsF32, u32)>; INNER + 1] = Default::default();
-        let mut clusters = Self { is_simplified: stray, ..Self::default() };
+        let mut clusters = Self { is_simplified, opaque_triangles: opaque as u32, ..Self::default() };
         let mut add = |side: usize, shell: TriangleComponent, own: &mut dyn Iterator<Item = u32>| {
             let first = order.len();
             order.extend(own);
@@ -171,7 +179,8 @@ impl Clusters {
 
     /// Records the blocks of vertices that each leaf uses. `indices` are the corners of the triangles, in the order of
     /// the leaves.
-    pub fn note_blocks(&mut self, indices: &[u32]) {
+    pub(crate) fn note_blocks(&mut self, indices: &[u32]) {
+        self.block_count = indices.iter().max().map_or(0, |last| last / VERTICES_PER_BLOCK as u32 + 1);
         for leaf in &mut self.leaves {
             let corners = &indices[3 * leaf.triangles.start as usize..3 * leaf.triangles.end as usize];
             let mut own: Vec<u32> = corners.iter().map(|vertex| vertex / VERTICES_PER_BLOCK as u32).collect();
@@ -183,27 +192,27 @@ impl Clusters {
     }
 
     /// Returns the blocks of vertices that a leaf uses.
-    pub fn blocks_of(&self, leaf: &ClusterLeaf) -> &[u32] {
+    pub(crate) fn blocks_of(&self, leaf: &ClusterLeaf) -> &[u32] {
         &self.blocks[leaf.blocks.clone()]
     }
 
     /// Returns the sides of the bounds that may cast visible shadows: those for which `comes_in` returns true, because
     /// light enters through them.
-    pub fn open_sides(&self, comes_in: impl Fn(&OpenSide) -> bool) -> OpenSides {
+    pub(crate) fn open_sides(&self, comes_in: impl Fn(&OpenSide) -> bool) -> OpenSides {
         // Simplified casters may have surfaces behind a side.
         let open = |side: &OpenSide| self.is_simplified || comes_in(side);
         OpenSides(self.sides.iter().enumerate().filter(|(_, (side, _))| open(side)).map(|(k, _)| 1 << k).sum())
     }
 
     /// Returns the trees of all casters that may cast visible shadows: the inner ones, and those in the given sides.
-    pub fn casting_trees(&self, open: OpenSides) -> impl Iterator<Item = &ClusterTree> {
+    pub(crate) fn casting_trees(&self, open: OpenSides) -> impl Iterator<Item = &ClusterTree> {
         let sides = self.sides.iter().enumerate().filter(move |(k, _)| open.0 >> k & 1 != 0);
         std::iter::once(&self.inner).chain(sides.map(|(_, (_, tree))| tree))
     }
 
     /// Passes the leaves of those casters that `select` does not skip to `take`, with their component for light from
     /// `source`.
-    pub fn select(
+    pub(crate) fn select(
         &self,
         open: OpenSides,
         culling: Culling,
@@ -356,7 +365,7 @@ impl ClusterBounds {
     /// Classifies the box against planes in scene space, with `normal . p + offset` zero or more inside. It is taken if
     /// inside all planes, and skipped if outside one. `reach` scales the planes' rounding, in addition to the
     /// positions.
-    pub fn select_by_planes(&self, planes: &[(DVec3, f64)], reach: f64) -> BoxSelection {
+    pub(crate) fn select_by_planes(&self, planes: &[(DVec3, f64)], reach: f64) -> BoxSelection {
         let of = |&(normal, offset): &(DVec3, f64)| {
             let [low, high] = self.range(normal, offset);
             let reach = reach + offset.abs() + normal.abs().dot(self.center.abs() + self.half);
@@ -373,17 +382,17 @@ impl ClusterBounds {
     }
 
     /// True if two boxes share a point.
-    pub fn touches(&self, other: &Self) -> bool {
+    pub(crate) fn touches(&self, other: &Self) -> bool {
         (self.center - other.center).abs().cmple(self.half + other.half).all()
     }
 
     /// Returns the least and the greatest value of `normal . p + offset` over the box.
-    pub fn range(&self, normal: DVec3, offset: f64) -> [f64; 2] {
+    pub(crate) fn range(&self, normal: DVec3, offset: f64) -> [f64; 2] {
         let (middle, reach) = (normal.dot(self.center) + offset, normal.abs().dot(self.half));
         [middle - reach, middle + reach]
     }
 
-    pub fn corners(&self) -> [DVec3; 8] {
+    pub(crate) fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|k| {
             let sign = DVec3::new(f64::from(k as u8 & 1), f64::from(k as u8 >> 1 & 1), f64::from(k as u8 >> 2));
             self.center + self.half * (sign * 2.0 - 1.0)

@@ -10,30 +10,28 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 use light::{FrameMode, Tube};
+use shadow::{BoxedSlab, CastersNearSlabs, Culling, MapShape, PlacedBent, slab_bounds, slabs_of_map, tube_from_scene};
 use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, ComputePipeline, RenderPipeline};
 
 use super::alpha_tested_draw::AlphaTestedDraw;
-use super::gpu_structs::{BentCounts, BentMap, LEVELS};
-use super::map_shape::MapShape;
-use super::near_slabs::CastersNearSlabs;
+use super::gpu_structs::{self, BentCounts, BentMap, LEVELS};
 use super::shadow_buffers::{BentMapBuffers, Buffers, Capacity, LEAVES_PER_WINDOW, MapCounts, mapped_vertices};
-use super::slab::{self, BoxedSlab, SLABS_PER_UNIFORM};
-use super::tube_from_scene;
+use super::slab::{self, SLABS_PER_UNIFORM};
 use super::wireframe::WireframeTarget;
 use crate::casters::{CasterSet, Casters};
 use crate::gpu_scene::GpuScene;
+use crate::map_source::MapSource;
 use crate::memory::{Evictable, MemoryKind};
 use crate::pipeline::{DrawPipeline, END_OF_LIGHT, MapTarget, depth_attachment, entire, least_depth_test};
-use crate::shadow_settings::Culling;
 use crate::stages::FrameStage;
-use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
+use crate::{Gpu, RenderError, readback, shaders};
 
 /// Most workgroups that a dispatch may have in one dimension on every device.
 const MAX_GROUPS: u32 = 65_535;
 
 /// Pipelines that map casters into a tube and draw them onto its shadow map. All scenes and lights share them.
 #[derive(Debug)]
-pub(crate) struct BentShadowPass {
+pub(crate) struct BentMapPass {
     vertices: ComputePipeline,
     triangles: ComputePipeline,
     clip: ComputePipeline,
@@ -46,12 +44,20 @@ pub(crate) struct BentShadowPass {
 
 /// A map to draw: casters, light and target.
 pub(crate) struct MapRequest<'a> {
-    pub scene: &'a GpuScene,
-    pub casting: CasterSet<'a>,
-    pub tube: &'a Tube<f64>,
-    pub map: &'a MapShape,
+    pub source: &'a MapSource<'a>,
+    pub placed: &'a PlacedBent,
+    pub shape: &'a MapShape,
     pub onto: DrawTarget<'a>,
-    pub shadows: &'a ShadowSettings,
+}
+
+impl MapRequest<'_> {
+    fn tube(&self) -> &Tube<f64> {
+        &self.placed.part.tube
+    }
+
+    fn scene_origin(&self) -> DVec3 {
+        self.source.scene.posed.origin_in_world
+    }
 }
 
 pub(crate) enum DrawTarget<'a> {
@@ -60,7 +66,7 @@ pub(crate) enum DrawTarget<'a> {
     Wireframe(WireframeTarget<'a>),
 }
 
-impl BentShadowPass {
+impl BentMapPass {
     pub fn new(gpu: &Gpu) -> Self {
         let compute = |wgsl, entry_point| gpu.compute_pipeline(entry_point, wgsl, entry_point);
         Self {
@@ -77,7 +83,7 @@ impl BentShadowPass {
     /// Draws a shadow map. Slabs are drawn in batches, each as large as a uniform holds. If a batch did not fit into
     /// the buffers, all batches are drawn again with larger ones.
     pub fn render(&self, gpu: &Gpu, work: &mut BentMapBuffers, request: &MapRequest) -> Result<(), RenderError> {
-        let slabs = slab::slabs_of_map(request.tube, request.map, request.shadows);
+        let slabs = slabs_of_map(request.tube(), request.shape, request.source.shadows);
         // Without casters, one batch without slabs clears the map.
         let turns = || slabs.chunks(SLABS_PER_UNIFORM).chain(slabs.is_empty().then_some(&slabs[..]));
         // The result of a batch of slabs that did not fit is invalid, so all batches start again.
@@ -101,14 +107,15 @@ impl BentShadowPass {
         slabs: &[BoxedSlab],
         first: bool,
     ) -> Result<bool, RenderError> {
-        let casters = request.casting.casters;
-        let origin = request.scene.posed.origin_in_world;
+        let MapSource { scene, casting, shadows, .. } = request.source;
+        let (casters, shape) = (casting.casters, request.shape);
         // A wireframe also shows triangles that others hide.
         let culling = match request.onto {
-            DrawTarget::Map(_) => request.shadows.culling,
-            DrawTarget::Wireframe(_) => Culling { backs: false, ..request.shadows.culling },
+            DrawTarget::Map(_) => shadows.culling,
+            DrawTarget::Wireframe(_) => Culling { backs: false, ..shadows.culling },
         };
-        let near = CastersNearSlabs::new(casters, request.tube, origin, request.map, slabs, culling);
+        let near =
+            CastersNearSlabs::new(&casters.clusters, request.tube(), request.scene_origin(), shape, slabs, culling);
         let map = turn_uniforms(work.capacity, request, slabs, &near);
         let kept = work.buffers.take();
         let fitting = kept.as_ref().and_then(Evictable::take).filter(|buffers| buffers.fit(casters, work.capacity));
@@ -116,7 +123,7 @@ impl BentShadowPass {
             (Some(kept), Some(buffers)) => (Some(kept), buffers),
             _ => (None, Buffers::new(gpu, casters, work.capacity)),
         };
-        buffers.write(gpu, &slab::padded(slabs), &map, &near, request.map);
+        buffers.write(gpu, &slab::padded(slabs), &map, &near, shape);
         let mut encoder = gpu.encoder();
         if !slabs.is_empty() {
             self.map(gpu, &mut encoder, (casters, &near), &buffers)?;
@@ -124,15 +131,14 @@ impl BentShadowPass {
         }
         match &request.onto {
             DrawTarget::Map(target) => {
-                let what = (request.scene, &request.casting);
-                self.draw(gpu, &mut encoder, what, &buffers, (target, request.map), first);
+                self.draw(gpu, &mut encoder, (scene, casting), &buffers, (target, shape), first);
             }
-            DrawTarget::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, request.map, first),
+            DrawTarget::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, shape, first),
         }
         gpu.end_stage(&mut encoder, FrameStage::Draw)?;
         let counts = readback::copy_for_readback(gpu, &mut encoder, &buffers.counts);
         gpu.queue.submit([encoder.finish()]);
-        let texels = request.map.face_count() as u64 * u64::from(request.map.side).pow(2);
+        let texels = shape.face_count() as u64 * u64::from(shape.side).pow(2);
         let made = MapCounts { counts, triangles: near.triangles, texels: if first { texels } else { 0 } };
         work.buffers = Some(if let Some(kept) = kept {
             kept.put(buffers);
@@ -258,29 +264,31 @@ impl ComputeStep<'_> {
 }
 
 fn turn_uniforms(room: Capacity, request: &MapRequest, slabs: &[BoxedSlab], near: &CastersNearSlabs) -> BentMap {
-    let &MapRequest { scene, casting: CasterSet { casters, .. }, tube, map, shadows, .. } = request;
+    let &MapRequest { source: MapSource { casting: CasterSet { casters, .. }, shadows, .. }, shape, .. } = request;
     BentMap {
-        face_count: map.face_count() as u32,
-        texels_per_vw: map.texels_per_vw() as f32,
-        cube_slope: if map.is_cube() { map.slope() as f32 } else { 0.0 },
-        faces: map.clips_from_mapped(),
+        face_count: shape.face_count() as u32,
+        texels_per_vw: shape.texels_per_vw() as f32,
+        cube_slope: request.placed.map.slope.unwrap_or(0.0),
+        faces: std::array::from_fn(|face| {
+            if face < shape.face_count() { gpu_structs::columns(&shape.clip_from_mapped(face)) } else { [[0.0; 4]; 3] }
+        }),
         vertex_count: casters.vertex_count,
         block_count: near.blocks.len() as u32,
         work_capacity: room.work,
         patch_capacity: room.patches,
         split_capacity: room.split_vertices,
-        opaque_triangles: casters.opaque_indices / 3,
+        opaque_triangles: casters.clusters.opaque_triangles,
         masked_capacity: room.masked_vertices,
         tolerance_texels: shadows.split_above_texels(),
-        ..bent_map_uniforms(tube, scene.posed.origin_in_world, slabs)
+        ..bent_map_uniforms(request.tube(), request.scene_origin(), slabs)
     }
 }
 
 /// Makes the part of a batch's uniform that depends on the light and on its slabs.
 pub(super) fn bent_map_uniforms(tube: &Tube<f64>, scene_origin: DVec3, slabs: &[BoxedSlab]) -> BentMap {
-    let [box_min, box_max] = slab::bounds(slabs).map(|corner| corner.to_array());
+    let [box_min, box_max] = slab_bounds(slabs).map(|corner| corner.to_array());
     BentMap {
-        tube_from_scene: tube_from_scene(tube, scene_origin),
+        tube_from_scene: tube_from_scene(tube, scene_origin).to_cols_array_2d(),
         up: tube.up.as_vec3().to_array(),
         frame_up: u32::from(tube.frame == FrameMode::Up),
         box_min,

@@ -1,17 +1,15 @@
 //! Directional lights. The map is one orthographic picture along the rays.
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
-use light::{MAX_EXTENT, Parallel};
+use light::Parallel;
+use relight::DirectionalMapParams;
 use scene::PosedScene;
 
+use super::cover::FittedFace;
+use super::{PlacedStraight, StraightCoords};
 use crate::bounds::box_corners;
-use crate::camera::columns;
-use crate::clusters::{ClusterBounds, MapCover, OpenSide};
-use crate::gpu_scene::GpuScene;
-use crate::map_views::{
-    FittedFace, LightUniform, MARGIN_TEXELS, MapViews, PlacedLight, SMALLEST_RATIO, SMALLEST_SHARE,
-};
-use crate::{ShadowSettings, gpu_structs};
+use crate::casters::{ClusterBounds, Clusters, MapCover, OpenSide};
+use crate::settings::{MARGIN_TEXELS, SMALLEST_RATIO, SMALLEST_SHARE, ShadowSettings};
 
 /// Smallest scene size, so that its inverse is within f32.
 const SMALLEST: f64 = 1e-30;
@@ -19,14 +17,14 @@ const SMALLEST: f64 = 1e-30;
 /// Part of a scene that a directional light's map shows, in the light's axes around the scene's origin: x, y, and
 /// height towards the light.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DirectionalMapFit {
+pub(crate) struct OrthographicFit {
     pub drawn: FittedFace,
     /// Heights that have depth 0 and depth 1. The whole scene is above the first height, all casters are below the
     /// second.
     pub heights: [f64; 2],
 }
 
-impl DirectionalMapFit {
+impl OrthographicFit {
     /// Fit for a light that has no map.
     pub const NONE: Self =
         Self { drawn: FittedFace { center: DVec2::ZERO, half: DVec2::ONE, has_casters: false }, heights: [0.0, 1.0] };
@@ -81,12 +79,17 @@ fn window(parallel: &Parallel, posed: &PosedScene) -> Extent {
     Extent { low, high, top: scene_extent.top }
 }
 
-/// Fits the map of a light over `scene` to the casters in its window.
-pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSettings) -> DirectionalMapFit {
-    let (side, mesh_error) = (f64::from(shadows.map_size(1).side), shadows.mesh_error);
+/// Fits the map of a light to the casters in its window.
+pub(crate) fn fit_map(
+    parallel: &Parallel,
+    posed: &PosedScene,
+    clusters: &Clusters,
+    settings: &ShadowSettings,
+) -> OrthographicFit {
+    let (side, mesh_error) = (f64::from(settings.map_size(1).side), settings.mesh_error);
     let grown = side / (side - 2.0 * MARGIN_TEXELS);
     let light_from_scene = parallel.rotation.transpose();
-    let window = window(parallel, &scene.posed);
+    let window = window(parallel, posed);
     // Casters beyond the edge are drawn as far as the filter reads.
     let size = (window.high - window.low).max(DVec2::ZERO);
     let drawn = Extent {
@@ -95,13 +98,12 @@ pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSet
         ..window
     };
     let comes_in = |side: &OpenSide| side.normal.dot(parallel.direction()) >= 0.0;
-    let clusters = &scene.casters.clusters;
     let mut extent = Extent::EMPTY;
     extent.extend_by_leaves(clusters.casting_trees(clusters.open_sides(comes_in)), |cluster| {
         Extent::of(cluster, &light_from_scene, &drawn)
     });
     let has_casters = extent.top > f64::NEG_INFINITY;
-    let scene_size = scene.posed.half_extent.length().max(SMALLEST);
+    let scene_size = posed.half_extent.length().max(SMALLEST);
     let Extent { low, high, .. } =
         if has_casters { extent } else { Extent { low: DVec2::ZERO, high: DVec2::ZERO, ..window } };
     let half = (high - low) / 2.0;
@@ -110,7 +112,7 @@ pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSet
     // A margin for rounding, so that no caster is clipped.
     let top = if has_casters { extent.top.max(bottom) + 1e-5 * scene_size } else { bottom + scene_size };
     let half = half.max(DVec2::splat(least)) * grown;
-    DirectionalMapFit {
+    OrthographicFit {
         drawn: FittedFace { center: (low + high) / 2.0, half, has_casters },
         heights: [bottom - 1e-5 * scene_size, top],
     }
@@ -119,11 +121,11 @@ pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSet
 /// Places a checked light within reach of a scene, with its fitted map.
 pub(crate) fn placed(
     parallel: &Parallel,
-    scene: &GpuScene,
-    shadows: &ShadowSettings,
-    fitted: &DirectionalMapFit,
-) -> PlacedLight {
-    let DirectionalMapFit { drawn, heights: [bottom, top] } = *fitted;
+    posed: &PosedScene,
+    settings: &ShadowSettings,
+    fit: &OrthographicFit,
+) -> PlacedStraight {
+    let OrthographicFit { drawn, heights: [bottom, top] } = *fit;
     let FittedFace { center, half, has_casters } = drawn;
     let depth_scale = (top - bottom).recip();
     let clip_from_light = DMat4::from_cols(
@@ -132,22 +134,24 @@ pub(crate) fn placed(
         DVec3::Z.extend(0.0) * depth_scale,
         (-center / half).extend(-bottom * depth_scale).extend(1.0),
     );
-    let light_from_scene = DMat4::from_mat3(parallel.rotation.transpose());
     // Coordinates in the window are (v, w) = (-x, y) scale + shift.
     let scale = DVec2::from(parallel.half_size.map(|half| half.map_or(0.0, f64::recip)));
-    let [shift_x, shift_y] = (parallel.offset_in_window(scene.posed.origin_in_world) * scale).to_array();
-    PlacedLight {
-        uniform: LightUniform::Directional(gpu_structs::Directional {
-            light_from_scene: columns(&light_from_scene),
-            window: [scale.x, scale.y, -shift_x, shift_y].map(|x| x as f32),
-            fit: drawn.for_uniform(),
-            light_profile: (&parallel.light_profile).into(),
-            bottom: bottom as f32,
-            depth_scale: depth_scale as f32,
-            mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
-            pad0: 0.0,
-        }),
+    let [shift_x, shift_y] = (parallel.offset_in_window(posed.origin_in_world) * scale).to_array();
+    PlacedStraight {
+        light_from_scene: DMat4::from_mat3(parallel.rotation.transpose()),
+        source_in_scene: None,
         light_profile: parallel.light_profile.clone(),
-        views: MapViews { light_from_scene, near: None, clip_from_light: vec![has_casters.then_some(clip_from_light)] },
+        coords: StraightCoords::Directional {
+            window: [scale.x, scale.y, -shift_x, shift_y].map(|x| x as f32),
+            map: DirectionalMapParams {
+                fit: drawn.for_lookup(),
+                bottom: bottom as f32,
+                depth_scale: depth_scale as f32,
+                mesh_error: settings.mesh_error_in_f32(),
+                filter: settings.filter,
+            },
+        },
+        near: None,
+        clip_from_light: vec![has_casters.then_some(clip_from_light)],
     }
 }

@@ -7,10 +7,9 @@ use glam::{DAffine3, DQuat, DVec3};
 use light::Light;
 use light::parameters::{CONE_ANGLE, ROTATION, TRANSLATION};
 use scene::{Material, Primitive, Scene};
+use shadow::{Clusters, TRIANGLES_PER_LEAF, TriangleComponent};
 
-use crate::bendy_light::tests::{BACKENDS, add_mesh, alone, cube, light, renderer_of, view};
-use crate::closed_components::TriangleComponent;
-use crate::clusters::{Clusters, TRIANGLES_PER_LEAF};
+use super::{BACKENDS, add_mesh, alone, cube, light, renderer_of, view};
 use crate::{Aov, Backend, Picture, Renderer, WorkCounters};
 
 /// Returns a ball with a seam and poles, counter-clockwise from outside.

@@ -1,10 +1,15 @@
 //! Tests that edges which count as straight are straight, and that most straight edges count as such.
 
 use glam::{DVec2, DVec3, DVec4};
-use light::{Curve, Tube, increasing_roots};
+use light::{Curve, Light, Tube, increasing_roots};
 
 use super::{NEVER_SAFE, OVERLAP, edge_bounds};
-use crate::bendy_light::tests::light;
+
+/// Returns a light that turns by 70 degrees and slightly back: three strongly bent segments.
+fn light() -> Light {
+    let points = [(0., 0., 0.), (0.3, 0.1, -1.2), (-0.2, 0.4, -2.6), (1.9, -0.2, -3.3), (3.1, 0.3, -4.6)];
+    Light::bendy(points.map(DVec3::from).to_vec(), vec![0.15, 0.35, 0.45, 0.5, 0.8])
+}
 
 const RESOLUTION: f64 = 2048.0;
 const TOLERANCE_TEXELS: f64 = 0.25;
@@ -70,7 +75,7 @@ fn edges(tube: &Tube<f64>, factor: f64) -> Vec<(f64, bool)> {
         for _ in 0..400 {
             let a: [f64; 3] = [random(), 2.0 * random() - 1.0, 2.0 * random() - 1.0];
             // Extents along and across the light are independent, each from a thousandth to all of the slab.
-            let [along, across] = [(); 2].map(|()| 10_f64.powf(-3.0 * random()));
+            let [along, across] = [(); 2].map(|()| libm::pow(10.0, -3.0 * random()));
             let steps = [along, 2.0 * across, 2.0 * across].map(|step| step * (2.0 * random() - 1.0));
             let b = [0, 1, 2].map(|k| (a[k] + steps[k]).clamp(if k == 0 { 0.0 } else { -1.0 }, 1.0));
             let (a, b) = (at(&slab.slab_curve, a), at(&slab.slab_curve, b));

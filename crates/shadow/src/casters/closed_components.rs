@@ -6,7 +6,7 @@ use crate::bounds::BoundsF32;
 
 /// Kind of component that a triangle belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TriangleComponent {
+pub enum TriangleComponent {
     /// A surface with an edge, or with inconsistent winding.
     Open,
     /// A closed surface, counter-clockwise from outside.
@@ -69,7 +69,7 @@ impl TriangleComponent {
     pub const ALL: [Self; 3] = [Self::Open, Self::Closed, Self::InsideOut];
 
     /// Returns the kind of the component after a reflection.
-    pub fn mirrored(self) -> Self {
+    pub(crate) fn mirrored(self) -> Self {
         match self {
             Self::Open => Self::Open,
             Self::Closed => Self::InsideOut,

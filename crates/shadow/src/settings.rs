@@ -1,9 +1,16 @@
 //! Settings of shadow maps: their resolution, lookup and casters.
 
+use light::MAX_EXTENT;
 use relight::ShadowFilter;
 use scene::MapScale;
+use thiserror::Error;
 
-use crate::RenderError;
+/// Margin around casters in texels, so that the filter reads only texels that are drawn.
+pub(crate) const MARGIN_TEXELS: f64 = 2.0;
+/// Smallest fitted share of a face, or of the scene for parallel rays. Neither axis is fitted to less than a quarter of
+/// the other. Finer texels are below the rounding error of positions.
+pub(crate) const SMALLEST_SHARE: f64 = 1.0 / 128.0;
+pub(crate) const SMALLEST_RATIO: f64 = 0.25;
 
 /// Settings of shadow maps and their lookup, for every light of a renderer.
 ///
@@ -60,8 +67,9 @@ impl Default for Culling {
     }
 }
 
+/// Size of a shadow map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct MapSize {
+pub struct MapSize {
     /// Texels along each side of a face.
     pub side: u32,
     /// Number of faces, one per layer.
@@ -74,16 +82,22 @@ impl MapSize {
     }
 }
 
+/// Settings that permit no map, with what to change.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error("shadows cannot be made so: {0}")]
+pub struct InvalidSettings(pub &'static str);
+
 impl ShadowSettings {
     /// Returns the size of a map with that number of faces. Each of several faces, a quarter turn wide, has half the
     /// texels a side. They are then as wide as those of one face of 60 degrees to each side: 0.11 degrees.
-    pub(crate) fn map_size(&self, faces: usize) -> MapSize {
+    pub fn map_size(&self, faces: usize) -> MapSize {
         let side = if faces == 1 { self.resolution } else { (self.resolution / 2).max(Self::MIN_RESOLUTION) };
         MapSize { side, layers: faces as u32 }
     }
 
     /// Returns the settings with maps of another scale.
-    pub(crate) fn scaled(self, scale: MapScale) -> Self {
+    #[must_use]
+    pub fn scaled(self, scale: MapScale) -> Self {
         let resolution = (self.resolution / u32::from(scale.divisor())).max(Self::MIN_RESOLUTION);
         Self { resolution: resolution.min(self.resolution), ..self }
     }
@@ -95,20 +109,17 @@ impl ShadowSettings {
     /// model, section 4): this keeps all of it within half a texel.
     const EDGE_ERROR_TEXELS: f32 = 0.4;
 
-    /// Returns an error for settings that permit no map.
-    pub(crate) fn check(&self, largest_texture: u32) -> Result<(), RenderError> {
-        RenderError::check_size("the resolution of shadow maps", self.resolution.into(), largest_texture.into())?;
+    /// Returns an error for settings that permit no map. The limits of devices do not count.
+    pub fn check(&self) -> Result<(), InvalidSettings> {
         if self.resolution < Self::MIN_RESOLUTION {
-            return Err(RenderError::InvalidShadows("their maps have fewer than 16 texels a side; give them more"));
+            return Err(InvalidSettings("their maps have fewer than 16 texels a side; give them more"));
         }
         let fine = |texels: f32| texels.is_nan() || texels < Self::MIN_EDGE_ERROR_TEXELS;
         if self.edge_error_texels.is_some_and(fine) {
-            return Err(RenderError::InvalidShadows("their edges are held to less than 0.05 texels; allow more"));
+            return Err(InvalidSettings("their edges are held to less than 0.05 texels; allow more"));
         }
         if !(self.mesh_error >= 0.0 && self.mesh_error.is_finite()) {
-            return Err(RenderError::InvalidShadows(
-                "their mesh error is no finite length from 0 up; give it in world units",
-            ));
+            return Err(InvalidSettings("their mesh error is no finite length from 0 up; give it in world units"));
         }
         Ok(())
     }
@@ -116,8 +127,13 @@ impl ShadowSettings {
     /// Smallest edge error; below it, rounding in f32 decides the splits.
     const MIN_EDGE_ERROR_TEXELS: f32 = 0.05;
 
+    /// Returns the mesh error as lookups read it, at most the extent of a scene: a larger one has the same effect.
+    pub(crate) fn mesh_error_in_f32(&self) -> f32 {
+        self.mesh_error.min(2.0 * MAX_EXTENT) as f32
+    }
+
     /// Returns the error in texels above which an edge of a bent map is split.
-    pub(crate) fn split_above_texels(&self) -> f32 {
+    pub fn split_above_texels(&self) -> f32 {
         self.edge_error_texels.unwrap_or(f32::MAX)
     }
 
@@ -125,7 +141,7 @@ impl ShadowSettings {
     /// map's own error, and a quarter more, because an adjacent facet that rises a little out of the receiver's plane
     /// is no occluder. A smaller edge error does not make facets flatter: with less tolerance, facets shadowed each
     /// other.
-    pub(crate) fn bent_tolerance_texels(&self) -> f32 {
+    pub fn bent_tolerance_texels(&self) -> f32 {
         0.25 + 1.25 * self.edge_error_texels.unwrap_or(0.0).max(Self::EDGE_ERROR_TEXELS)
     }
 }
@@ -141,9 +157,4 @@ impl Default for ShadowSettings {
             culling: Culling::ALL,
         }
     }
-}
-
-/// Prepends the constant of `shadow_filter.wgsl` to `wgsl`.
-pub(crate) fn with_filter(filter: ShadowFilter, wgsl: &str) -> String {
-    format!("const SHADOW_FILTER = {}u;\n{wgsl}", filter as u32)
 }

@@ -8,9 +8,8 @@ use glam::{DMat3, DVec3};
 use light::{Curve, FrameMode, Tube, TubeSlab, quadratic_range};
 
 use super::faces::{Faces, MAX_FACES};
-use crate::clusters::{ClusterBounds, Clusters, MapCover, OpenSide, OpenSides};
-use crate::map_views::{MARGIN_TEXELS, SMALLEST_RATIO, SMALLEST_SHARE};
-use crate::shadow_settings::Culling;
+use crate::casters::{ClusterBounds, Clusters, MapCover, OpenSide, OpenSides};
+use crate::settings::{Culling, MARGIN_TEXELS, SMALLEST_RATIO, SMALLEST_SHARE};
 
 /// Number of pieces per slab. A slab turns by at most 15 degrees.
 const PIECES: u32 = 4;
@@ -231,9 +230,9 @@ impl TubePiece {
         let (v_hat, _) = tube.cross_section(&curve, middle);
         let twist = if tube.frame == FrameMode::Up {
             // The frame rotates about the tangent by `cot` of the angle between tangent and "up" per radian of bend.
-            let turn = cos.acos();
-            let angle = tube.up.cross(middle).length().atan2(tube.up.dot(middle).abs()) - turn;
-            if angle > 0.0 { turn / angle.tan() } else { f64::INFINITY }
+            let turn = libm::acos(cos);
+            let angle = libm::atan2(tube.up.cross(middle).length(), tube.up.dot(middle).abs()) - turn;
+            if angle > 0.0 { turn / libm::tan(angle) } else { f64::INFINITY }
         } else {
             0.0
         };
@@ -280,7 +279,7 @@ impl TubePiece {
         let grow = |x: f64, outward: bool| if outward { x / cos } else { x };
         let (low, high) = (low - sagitta[1], high - sagitta[0]);
         let in_plane = [grow(low, low < 0.0), grow(high, high > 0.0)];
-        if distance(normal).hypot(distance(in_plane)) > radius[1] {
+        if libm::hypot(distance(normal), distance(in_plane)) > radius[1] {
             return None;
         }
         let (alpha, beta) = (self.alpha, self.beta);
@@ -301,7 +300,7 @@ impl TubePiece {
         }
         let outward = tube.placement.rotation.transpose() * side.normal;
         let (cos, sin) = self.turn;
-        let angle = outward.dot(self.curve.u_hat(0.5)).clamp(-1.0, 1.0).acos() + cos.acos();
+        let angle = libm::acos(outward.dot(self.curve.u_hat(0.5)).clamp(-1.0, 1.0)) + libm::acos(cos);
         let (d, a) = self.in_plane[0];
         let slowest = d.min(d + a);
         if tube.frame == FrameMode::Up || angle >= std::f64::consts::FRAC_PI_2 || slowest <= 0.0 {
@@ -317,7 +316,7 @@ impl TubePiece {
             if curve_is_inside { (-radius_derivative).max(0.0) } else { radius_derivative.abs() }
         };
         let spread = [0.0, 1.0].map(|u| inwards(self.curve.radius_derivative(u)));
-        speed * angle.cos() > spread[0].max(spread[1]) * angle.sin()
+        speed * libm::cos(angle) > spread[0].max(spread[1]) * libm::sin(angle)
     }
 
     fn radius(&self, u: Range) -> Range {
@@ -367,7 +366,7 @@ fn turned(v: Range, w: Range, angle: f64) -> (Range, Range) {
     }
     let size = |[low, high]: Range| low.abs().max(high.abs());
     // A component changes by at most the length of the vector's change.
-    let length = size(v).hypot(size(w));
+    let length = libm::hypot(size(v), size(w));
     let by = length * angle.min(2.0);
     let moved = |[low, high]: Range| [low - by, high + by];
     (moved(v), moved(w))

@@ -6,9 +6,8 @@ use relight::MapSlab;
 
 use super::map_shape::MapShape;
 use super::slab::BoxedSlab;
-use crate::casters::Casters;
-use crate::clusters::{BoxSelection, ClusterBounds, VERTICES_PER_BLOCK};
-use crate::shadow_settings::Culling;
+use crate::casters::{BoxSelection, ClusterBounds, Clusters, UsedBlocks, leaf_entry};
+use crate::settings::Culling;
 
 /// Enlarges the source by this share of the light's size, for rounding.
 const ROUNDING: f64 = 1e-6;
@@ -16,9 +15,9 @@ const ROUNDING: f64 = 1e-6;
 /// Leaves and blocks of casters near some slabs. They are the input of `map_triangles` and `map_vertices`, one entry
 /// for each workgroup.
 #[derive(Debug, Default)]
-pub(super) struct CastersNearSlabs {
-    /// First triangle of a leaf. Its number of triangles is in the low 16 bits, its
-    /// [`crate::closed_components::TriangleComponent`] above.
+pub struct CastersNearSlabs {
+    /// First triangle of a leaf; and its number of triangles in the low 16 bits, with its [`crate::TriangleComponent`]
+    /// above.
     pub leaves: Vec<[u32; 2]>,
     /// Indices of blocks of vertices.
     pub blocks: Vec<u32>,
@@ -30,10 +29,10 @@ pub(super) struct CastersNearSlabs {
 struct Planes([(DVec3, f64); 6]);
 
 impl CastersNearSlabs {
-    /// Lists leaves and blocks of `casters` with a box that touches one of `slabs`. A leaf on a closed component counts
+    /// Lists leaves and blocks of `clusters` with a box that touches one of `slabs`. A leaf on a closed component counts
     /// as closed only if the light begins outside the component.
     pub fn new(
-        casters: &Casters,
+        clusters: &Clusters,
         tube: &Tube<f64>,
         scene_origin: DVec3,
         map: &MapShape,
@@ -45,8 +44,7 @@ impl CastersNearSlabs {
         // In units of the light's size, which scales the rounding of its positions.
         let within =
             |cluster: &ClusterBounds| slabs.iter().map(|Planes(planes)| cluster.select_by_planes(planes, 1.0)).max();
-        let clusters = &casters.clusters;
-        let mut is_near = vec![false; (casters.vertex_count as usize).div_ceil(VERTICES_PER_BLOCK)];
+        let mut blocks = UsedBlocks::none_of(clusters);
         let mut near = Self::default();
         clusters.select(
             map.open_sides(),
@@ -54,15 +52,12 @@ impl CastersNearSlabs {
             Some(&source),
             |cluster| within(cluster).unwrap_or(BoxSelection::Skip),
             |leaf, component| {
-                let count = leaf.triangles.len() as u32;
-                near.leaves.push([leaf.triangles.start, count | (component as u32) << 16]);
-                near.triangles += count;
-                for &block in clusters.blocks_of(leaf) {
-                    is_near[block as usize] = true;
-                }
+                near.leaves.push(leaf_entry(leaf, component));
+                near.triangles += leaf.triangles.len() as u32;
+                blocks.add(clusters, leaf);
             },
         );
-        near.blocks = (0_u32..).zip(is_near).filter_map(|(block, is_near)| is_near.then_some(block)).collect();
+        near.blocks = blocks.indices();
         near
     }
 }
@@ -87,6 +82,3 @@ impl Planes {
         }))
     }
 }
-
-#[cfg(test)]
-mod tests;

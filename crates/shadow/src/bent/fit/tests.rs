@@ -5,7 +5,7 @@ use light::parameters::{CONE_ANGLE, END_MODE, FRAME, RANGE, ROTATION, SCALE, TRA
 use light::{EndMode, Light, Tube};
 
 use super::*;
-use crate::bendy_light::walk;
+use crate::casters::of_opaque;
 
 /// Pseudorandom numbers from 0 to 1, the same in every run.
 struct Numbers(u64);
@@ -55,6 +55,14 @@ fn lights() -> Vec<Light> {
     lights
 }
 
+/// Returns the tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
+fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
+    let segment = (t as usize).min(tube.n - 1);
+    let (curve, u) = (&tube.segments[segment].curve, t - segment as f64);
+    let (v_hat, w_hat) = tube.cross_section(curve, curve.u_hat(u));
+    curve.position(u) + (v_hat * v + w_hat * w) * curve.radius(u)
+}
+
 const ORIGIN: DVec3 = DVec3::new(0.7, -0.4, 0.2);
 
 /// Returns clusters of small triangles around the tube and a few large triangles, in scene space.
@@ -79,7 +87,7 @@ fn fitted(light: &Light, seed: u64) -> (BendyFit, Vec<[f64; 4]>) {
     let tube = Tube::new(light).expect("checked before");
     let positions = soup(&tube, seed);
     let indices: Vec<u32> = (0..positions.len() as u32).collect();
-    let clusters = crate::clusters::of_opaque(&positions, &indices);
+    let clusters = of_opaque(&positions, &indices);
     let t_max = super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0));
     let fit = BendyFit::new(&tube, Faces::of(light), t_max, ORIGIN, &clusters, Culling::ALL);
     (fit, coords_on(&tube, &positions, &mut Numbers(seed)))
@@ -159,7 +167,7 @@ fn the_filter_reads_only_drawn_texels() {
         // All directions that a receiver may have on the faces of a cube, and the casters.
         let all_around = (0..4000).map(|k| {
             let (radius, angle) = ((f64::from(k) / 4000.0).sqrt(), f64::from(k) * 2.4);
-            [radius * angle.cos(), radius * angle.sin(), 1.0, 0.0]
+            [radius * libm::cos(angle), radius * libm::sin(angle), 1.0, 0.0]
         });
         let whole = BendyFit { bounds: [None; MAX_FACES], ..fit };
         let judged = || coords.iter().map(|&p| (fit, p)).chain(all_around.clone().map(|p| (whole, p)));
@@ -201,14 +209,13 @@ fn no_path_enters_through_an_excluded_side() {
         let tube = Tube::new(&light).expect("checked before");
         let pieces = pieces(&tube, tube.n as f64 + 1.0, ORIGIN);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
-            let through =
-                tube.placement.world_from_tube(walk::point_at(&tube, numbers.next() * tube.n as f64, 0.0, 0.0));
+            let through = tube.placement.world_from_tube(point_at(&tube, numbers.next() * tube.n as f64, 0.0, 0.0));
             let side = OpenSide { normal: axis, offset: axis.dot(through - ORIGIN) };
             let returns = (0..24).any(|k| {
-                let (v, w) = (0.97 * f64::from(k).cos(), 0.97 * f64::from(k).sin());
+                let (v, w) = (0.97 * libm::cos(k.into()), 0.97 * libm::sin(k.into()));
                 let mut outside = false;
                 (0..=60).any(|step| {
-                    let at = walk::point_at(&tube, tube.n as f64 * f64::from(step) / 60.0, v, w);
+                    let at = point_at(&tube, tube.n as f64 * f64::from(step) / 60.0, v, w);
                     let height = side.height(tube.placement.world_from_tube(at) - ORIGIN);
                     outside |= height > 1e-4;
                     outside && height < -1e-4

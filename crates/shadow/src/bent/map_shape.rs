@@ -1,16 +1,17 @@
 //! Converts a fitted bent map to the numbers of its passes.
 
-use glam::{DMat3, DVec3};
-use light::Tube;
+use glam::{DMat3, DVec3, Mat3};
+use light::{MAX_EXTENT, Tube};
+use relight::{BentFace, BentMapParams};
 
 use super::faces::MAX_FACES;
 use super::fit::{BendyFit, DrawnFace};
-use super::gpu_structs::{BentShadow, Mat3};
-use crate::clusters::OpenSides;
+use crate::casters::OpenSides;
+use crate::settings::ShadowSettings;
 
 /// Shape of a light's bent shadow map: its faces, fitted to the scene, and their number of texels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct MapShape {
+pub struct MapShape {
     fit: BendyFit,
     /// Texels along each side of a face.
     pub side: u32,
@@ -62,8 +63,23 @@ impl MapShape {
         self.fit.drawn(face, f64::from(self.side))
     }
 
-    /// Returns the center and 1 / half size of each face, for `bent_lookup.wgsl`.
-    pub(super) fn fits(&self) -> [[f32; 4]; MAX_FACES] {
+    /// Returns the numbers by which surfaces look up the map of a light.
+    pub(super) fn params(&self, tube: &Tube<f64>, settings: &ShadowSettings) -> BentMapParams {
+        BentMapParams {
+            t_base: self.t_base() as f32,
+            t_span: self.t_span() as f32,
+            t_last: self.t_last() as f32,
+            slope: self.is_cube().then(|| self.slope() as f32),
+            tolerance_texels: settings.bent_tolerance_texels(),
+            // In tube space, at most the extent of a scene: a larger one has the same effect.
+            mesh_error: (self.mesh_error / tube.placement.world_per_tube).min(MAX_EXTENT) as f32,
+            fits: self.fits(),
+            filter: settings.filter,
+        }
+    }
+
+    /// Returns the center and 1 / half size of each face.
+    pub fn fits(&self) -> [[f32; 4]; MAX_FACES] {
         std::array::from_fn(|face| {
             if face >= self.face_count() {
                 return [0.0; 4];
@@ -73,21 +89,15 @@ impl MapShape {
         })
     }
 
-    fn clip_from_mapped(&self, face: usize) -> DMat3 {
+    /// Returns the projection of an existing face, from (V, W, R) to (x, y, w).
+    pub fn clip_from_mapped(&self, face: usize) -> Mat3 {
         let DrawnFace { center, half } = self.drawn(face);
         let clip_from_face = DMat3::from_cols(
             DVec3::X / half[0],
             DVec3::Y / half[1],
             DVec3::new(-center[0] / half[0], -center[1] / half[1], 1.0),
         );
-        clip_from_face * self.fit.faces.face_from_tube(face)
-    }
-
-    /// Returns the matrix of each existing face, for `bent_map.wgsl`.
-    pub(super) fn clips_from_mapped(&self) -> [Mat3; MAX_FACES] {
-        std::array::from_fn(|face| {
-            if face < self.face_count() { columns(&self.clip_from_mapped(face)) } else { [[0.0; 4]; 3] }
-        })
+        (clip_from_face * self.fit.faces.face_from_tube(face)).as_mat3()
     }
 
     /// True if a face may contain casters.
@@ -96,23 +106,23 @@ impl MapShape {
     }
 
     /// Returns the sides of the casters' bounds through which light enters, and whose casters the map contains.
-    pub fn open_sides(&self) -> OpenSides {
+    pub(crate) fn open_sides(&self) -> OpenSides {
         self.fit.open_sides
     }
 
-    /// Makes the uniform for drawing a face.
-    pub(super) fn shadow_uniforms(&self, face: usize) -> BentShadow {
+    /// Returns a face as it is drawn.
+    pub fn face(&self, face: usize) -> BentFace {
         let DrawnFace { center, half } = self.drawn(face);
         let (row, most) = if face == 0 {
             ([1.0, 0.0], 1.0)
         } else {
             ([center[1] + half[1], -2.0 * half[1] / f64::from(self.side)], self.slope())
         };
-        BentShadow {
-            clip_from_mapped: columns(&self.clip_from_mapped(face)),
-            row: row.map(|x| x as f32),
+        BentFace {
+            clip_from_mapped: self.clip_from_mapped(face),
+            row_divisor: row.map(|x| x as f32),
             depth_per_t: (self.t_span() * most).recip() as f32,
-            pad0: 0.0,
+            has_casters: self.has_casters(face),
         }
     }
 
@@ -132,8 +142,4 @@ impl MapShape {
         let both = if self.is_cube() { std::f64::consts::SQRT_2 } else { 1.0 };
         0.5 * f64::from(self.side) * finest * self.slope() * both
     }
-}
-
-fn columns(matrix: &DMat3) -> Mat3 {
-    matrix.to_cols_array_2d().map(|[x, y, z]| [x as f32, y as f32, z as f32, 0.0])
 }

@@ -5,6 +5,8 @@ use light::Light;
 use light::parameters::CONE_ANGLE;
 
 use super::*;
+use crate::casters::of_opaque;
+use crate::straight::cover::FittedFace;
 
 /// Vectors for points and lights, the same in every run.
 fn vector(k: usize) -> DVec3 {
@@ -13,8 +15,8 @@ fn vector(k: usize) -> DVec3 {
 }
 
 /// Returns the face of a position in light space, and x / depth, y / depth and depth there.
-fn on_face(faces: &[SpotFace], position: DVec3) -> (usize, DVec3) {
-    let on = |face: &SpotFace| face.axes * position;
+fn on_face(faces: &[PerspectiveFace], position: DVec3) -> (usize, DVec3) {
+    let on = |face: &PerspectiveFace| face.axes * position;
     let aside = |p: DVec3| p.x.abs().max(p.y.abs()) / p.z;
     let ahead = faces.iter().enumerate().filter(|(_, face)| on(face).z > 0.0);
     let (index, face) = ahead.min_by(|(_, a), (_, b)| aside(on(a)).total_cmp(&aside(on(b)))).expect("a face");
@@ -23,7 +25,7 @@ fn on_face(faces: &[SpotFace], position: DVec3) -> (usize, DVec3) {
 }
 
 /// True if a face, its size times `share`, contains a position with a margin of two texels.
-fn shows(fitted: &FittedFaces, side: f64, position: DVec3, share: f64) -> bool {
+fn shows(fitted: &PerspectiveFit, side: f64, position: DVec3, share: f64) -> bool {
     let (index, p) = on_face(&fitted.faces, position);
     let FittedFace { center, half, has_casters } = fitted.faces[index].fitted;
     let margin = half * 2.0 * MARGIN_TEXELS / side - 1e-9;
@@ -48,9 +50,9 @@ fn faces_contain_all_casters() {
         };
         let positions: Vec<[f32; 3]> = (0..=k % 3).flat_map(lump).collect();
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
-        let clusters = crate::clusters::of_opaque(&positions, &indices);
-        let fitted = FittedFaces::new(&light, side, light_from_scene, &clusters);
-        let tan_outer = light.get(CONE_ANGLE).to_radians().tan();
+        let clusters = of_opaque(&positions, &indices);
+        let fitted = fit_faces(&light, side, light_from_scene, &clusters);
+        let tan_outer = libm::tan(light.get(CONE_ANGLE).to_radians());
         let inside = |p: &DVec3| p.truncate().length() <= -p.z * tan_outer && p.z < -1e-9;
         let in_light: Vec<_> = positions
             .as_chunks::<3>()
