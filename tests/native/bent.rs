@@ -1,15 +1,18 @@
 //! BendyLights: every parameter, filter, number of segments and kind of map.
 
 use assets::LoadedScene;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use light::parameters::{
     CONE_ANGLE, CONE_SOFTNESS, CUT_OFF, CUT_ON, DECAY, DIFFUSE, DIRECTION, END_MODE, FAR_EDGE, FRAME, LIGHT_LINK,
     NEAR_EDGE, PROFILE, PROFILE_POWER, RADIAL_FALLOFF, SHADOW_COLOR, SHADOW_ENABLE, SHADOW_LINK, SPECULAR, TRANSLATION,
 };
 use light::{Decay, DirectionMode, EndMode, FrameMode, Light, Links, PeriodicCurve, ProfileCurve};
 use render::{ShadowFilter, ShadowSettings};
+use scene::Projection;
 
-use super::both::{ViewedScene, assert_same_and_visible, assert_the_same, compared, demo, with_superellipse};
+use super::both::{
+    ViewedScene, assert_same_and_visible, assert_the_same, compared, compared_from, demo, with_superellipse,
+};
 use crate::pictures::shared_asset;
 
 fn through<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
@@ -102,6 +105,18 @@ fn any_number_of_segments_looks_the_same() {
     }
     let wide = through([[0.0, 1.6, 0.3], [0.0, 1.2, 0.3], [0.1, 0.4, 0.3], [0.1, -0.6, 0.3]], [0.05, 1.0, 3.0, 6.0]);
     assert_the_same("wide", &looked, &wide);
+}
+
+/// Planted fault: a camera that is turned by half a pixel.
+#[test]
+fn surfaces_that_lie_elsewhere_are_seen() {
+    let loaded = demo("vases");
+    let (looked, light) = (ViewedScene::at(&loaded), key(&loaded));
+    let mut turned = looked.view.clone();
+    let Projection::Perspective { yfov, .. } = turned.camera.projection else { panic!("the demo has perspective") };
+    turned.camera.rotation *= DQuat::from_rotation_y(0.5 * yfov / f64::from(looked.view.height));
+    let compared = compared_from(&looked, &turned, &light, &light);
+    assert!(compared.fault().is_some(), "{compared:?}");
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub struct BackendArgs {
 enum BackendChoice {
     /// Native where the graphics driver draws on the processor anyway, wgpu elsewhere
     Auto,
-    /// The processor, on all cores, for machines without a GPU; the driver still finds what each pixel sees
+    /// The processor, on all cores, for machines without a GPU; the driver draws AOVs alone
     Native,
     /// The graphics driver, be it a GPU's or a software one
     Wgpu,

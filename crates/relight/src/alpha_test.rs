@@ -119,7 +119,7 @@ impl AlphaTests<'_> {
 
 /// Returns the texel for an integer coordinate along one axis.
 #[inline(always)]
-fn wrapped(x: f32, size: usize, wrap: TexelWrap) -> usize {
+pub(crate) fn wrapped(x: f32, size: usize, wrap: TexelWrap) -> usize {
     let size = size as f32;
     let period = if wrap == TexelWrap::MirroredRepeat { 2.0 * size } else { size };
     let inside = x - period * ((x + 0.5) / period).floor();

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use crate::lanes::{F32s, LANES, U32s, Vec3s};
 use crate::layer::{DrawnLight, LayerTarget, LightLayer, draw_light};
+use crate::pixel_block::BLOCK_SIDE;
 use crate::screen::{BLACK, BYTES_PER_PIXEL, Exposure, tone_mapped_rgba8};
 use crate::simd::{self, SimdTask};
-use crate::surfaces::BLOCK_SIDE;
 use crate::{Cancelled, CasterScene, Surfaces, Workers};
 
 /// Number of blocks that a worker adds up at once.

@@ -1,8 +1,40 @@
-//! Decoding of the vectors and materials of a G-buffer, the inverse of `encoding.wgsl`.
+//! Encoding and decoding of the vectors and materials of surfaces, as in `encoding.wgsl`.
 
 use light::Lanes;
 
 use crate::lanes::{F32s, LANES, U32s, Vec3s};
+
+/// Encodes unit vectors octahedrally in 2 x 16 bits.
+#[inline(always)]
+pub(crate) fn unit_to_bits(n: Vec3s) -> U32s {
+    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+    let per_length = one / (n.x.abs() + n.y.abs() + n.z.abs());
+    let (x, y) = (n.x * per_length, n.y * per_length);
+    let sign = |v: F32s| F32s::select(v.lt(zero), F32s::splat(-1.0), one);
+    let below = n.z.lt(zero);
+    let folded_x = F32s::select(below, (one - y.abs()) * sign(x), x);
+    let folded_y = F32s::select(below, (one - x.abs()) * sign(y), y);
+    let mut bits = U32s::ZERO;
+    for i in 0..LANES {
+        let snorm = |v: f32| (v.clamp(-1.0, 1.0) * 32767.0).round_ties_even() as i32 as u32 & 0xffff;
+        bits.0[i] = snorm(folded_x.0[i]) | snorm(folded_y.0[i]) << 16;
+    }
+    bits
+}
+
+/// Encodes a linear base color, metallic factor and roughness, each from 0 to 1, in 64 bits.
+#[inline(always)]
+pub(crate) fn material_to_bits(base_color: [F32s; 3], metallic: F32s, roughness: F32s) -> [U32s; 2] {
+    let step = |share: F32s, steps: f32| (share * F32s::splat(steps)).to_u32();
+    let [r, g, b] = base_color.map(|color| step(color.sqrt(), 8191.0));
+    let (metallic, roughness) = (step(metallic, 4090.0), step(roughness, 8190.0));
+    let (mut low, mut high) = (U32s::ZERO, U32s::ZERO);
+    for i in 0..LANES {
+        low.0[i] = r.0[i] | g.0[i] << 13 | b.0[i] << 26;
+        high.0[i] = b.0[i] >> 6 | metallic.0[i] << 7 | roughness.0[i] << 19;
+    }
+    [low, high]
+}
 
 /// Decodes an octahedral unit vector of 2 x 16 bits.
 #[inline(always)]

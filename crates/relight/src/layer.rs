@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::brdf::evaluate_brdf;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, LANES, Masks, Vec3s};
+use crate::pixel_block::{BLOCK_SIDE, PixelBlock};
 use crate::shape::{LightSampleLanes, RelitShape};
 use crate::simd::{self, SimdTask};
-use crate::surfaces::{BLOCK_SIDE, PixelBlock, SurfaceLanes, surface_of};
+use crate::surfaces::{SurfaceLanes, surface_of};
 use crate::{Cancelled, CasterScene, RelitBent, RelitDirectional, RelitOmni, RelitSpot, Surfaces, Workers};
 use light::{Lanes, LightProfile, Mask};
 

@@ -11,6 +11,7 @@
 #![expect(clippy::inline_always, reason = "vectors are only made of what is inlined where the processor was chosen")]
 
 mod alpha_test;
+mod attributes;
 mod bent;
 mod brdf;
 mod composite;
@@ -21,6 +22,7 @@ mod lanes;
 mod layer;
 mod model;
 mod nearby;
+mod pixel_block;
 mod raster;
 mod scene;
 mod screen;
@@ -30,15 +32,19 @@ mod simd;
 mod sixteen;
 mod straight;
 mod surfaces;
+mod texture;
 mod transform;
 mod visibility;
 mod workers;
 
 pub use alpha_test::{AlphaTest, AlphaTests, TexelWrap};
+pub use attributes::{MaterialRun, SurfaceMaterial, SurfaceMaterials, SurfaceScene};
 pub use bent::{BentCasters, BentFace, BentMap, BentMapBuilder, BentMapParams, MapSlab, RelitBent, TubeSpace};
 pub use composite::{LayerSum, LayerTerm, LayerTerms, add_light, add_sample, display, sum};
 pub use depth_map::DepthMap;
 pub use layer::{DrawnLight, LightLayer, RelitLight, draw_layer, visibility_of};
+pub use pixel_block::CameraRays;
+pub use raster::{PicturePart, VisibilityBuffer, VisibilityBuilder, VisibleTriangles};
 pub use scene::{CasterHierarchy, CasterLinks, CasterScene};
 pub use screen::{Exposure, display_radiance};
 pub use shadow_filter::ShadowFilter;
@@ -47,5 +53,6 @@ pub use straight::{
     AlphaTestedCasters, AlphaTestedRun, DirectionalMapParams, OmniMapParams, OpaqueCasters, RelitDirectional,
     RelitOmni, RelitSpot, SpotMapParams, StraightFace, StraightMap, StraightMapBuilder,
 };
-pub use surfaces::{CameraRays, FillColors, GbufferRows, Surfaces};
+pub use surfaces::{FillColors, Surfaces};
+pub use texture::{SampledTexture, Texels, Texture};
 pub use workers::{Cancelled, Workers, YieldPolicy};

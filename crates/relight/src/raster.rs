@@ -9,6 +9,7 @@
 
 mod alpha_tested;
 mod clip;
+mod ids;
 mod large;
 mod project;
 mod rule;
@@ -16,6 +17,7 @@ mod setup;
 mod small;
 #[cfg(test)]
 mod tests;
+mod visibility_buffer;
 mod wide;
 
 use std::hint::black_box;
@@ -28,14 +30,14 @@ use crate::alpha_test::AlphaTests;
 use crate::depth_map::stride;
 use crate::{Cancelled, Workers};
 use alpha_tested::AlphaTestedPiece;
+use ids::TriangleIds;
 use project::Projection;
 use rule::{BentDepthTest, DepthTest, OrthographicDepthTest, PerspectiveDepthTest};
-use setup::{OpaquePiece, SetUp};
+use setup::{OpaquePiece, SetUp, Triangles};
 use wide::{Ints, LANE_INDICES};
 
-/// Number of rows that one thread draws at once. Those of a map 2048 texels wide take half a megabyte, which stays in a
-/// near cache.
-const BAND: usize = 64;
+pub use visibility_buffer::{PicturePart, VisibilityBuffer, VisibilityBuilder, VisibleTriangles};
+
 /// Number of texels in bounding boxes after which a thread checks if it must yield: some tens of microseconds.
 const YIELD_CHECK_TEXELS: usize = 1 << 16;
 /// Number of small triangles after which a thread checks if it must yield.
@@ -125,7 +127,7 @@ pub fn draw_face<Chunk: AsRef<[RasterTriangle]> + Sync, AlphaTestedChunk: AsRef<
     let projection = Projection::new(face, side);
     workers.run(|| {
         pieces.par_iter_mut().zip(slices).for_each(|(piece, triangles)| {
-            Arch::new().dispatch(SetUp { piece, triangles, projection: &projection });
+            Arch::new().dispatch(SetUp { piece, triangles: Triangles::Listed(triangles), projection: &projection });
         });
         let alpha_tested = alpha_tested_pieces.par_iter_mut().zip(alpha_tested_slices);
         alpha_tested.for_each(|(piece, triangles)| piece.set_up(triangles, &projection));
@@ -135,10 +137,10 @@ pub fn draw_face<Chunk: AsRef<[RasterTriangle]> + Sync, AlphaTestedChunk: AsRef<
         DepthRule::Bent { row_divisor: [first, each], depth_per_value } => {
             rows.clear();
             rows.extend((0..side).map(|row| (first + each * (row as f32 + 0.5)) / depth_per_value));
-            draw_bands(workers, BentDepthTest { rows }, seen, texels, side)
+            draw_bands(workers, BentDepthTest { rows }, seen, &projection, texels)
         }
-        DepthRule::Perspective { .. } => draw_bands(workers, PerspectiveDepthTest, seen, texels, side),
-        DepthRule::Orthographic => draw_bands(workers, OrthographicDepthTest, seen, texels, side),
+        DepthRule::Perspective { .. } => draw_bands(workers, PerspectiveDepthTest, seen, &projection, texels),
+        DepthRule::Orthographic => draw_bands(workers, OrthographicDepthTest, seen, &projection, texels),
     }
 }
 
@@ -156,58 +158,62 @@ fn draw_bands<R: DepthTest>(
     workers: &Workers,
     rule: R,
     seen: SetUpTriangles,
+    projection: &Projection,
     texels: &mut [f32],
-    side: usize,
 ) -> Result<(), Cancelled> {
-    let bands = texels.chunks_mut((BAND * stride(side)).max(1)).enumerate();
-    let bands = bands.map(|(index, texels)| BandWork { index, texels, next: None });
-    workers.each(bands, |work| Arch::new().dispatch(DrawBand { rule, seen, work, stride: stride(side), workers }))
+    let length = (projection.rows_per_band * stride(projection.size[0])).max(1);
+    let bands = texels.chunks_mut(length).enumerate();
+    let bands = bands.map(|(index, texels)| BandWork { index, texels, ids: (), next: None });
+    workers.each(bands, |work| Arch::new().dispatch(DrawBand { rule, seen, projection, work, workers }))
 }
 
 /// Band of a face, and the progress of drawing it.
-struct BandWork<'a> {
+struct BandWork<'a, Ids> {
     index: usize,
     texels: &'a mut [f32],
+    ids: Ids,
     /// Next piece of triangles, and next triangle in it. Pieces with alpha-tested triangles come last. `None` before
     /// the band is cleared.
     next: Option<(usize, usize)>,
 }
 
 /// Rows of a face while they are drawn.
-struct Band<'a> {
+struct Band<'a, Ids> {
     /// Index of the first row, and of the row after the last.
     first: usize,
     end: usize,
     /// Number of texels from one row to the next.
     stride: usize,
     texels: &'a mut [f32],
+    ids: &'a mut Ids,
     /// [`LANE_INDICES`], hidden from the compiler, which otherwise turns products with the constants 0, 1, 2 and so on
     /// into slower code.
     lane_indices: Ints,
 }
 
 /// Task that goes on with drawing a band. It returns false if the thread must yield before the band is finished.
-struct DrawBand<'a, 'b, R> {
+struct DrawBand<'a, 'b, R, Ids> {
     rule: R,
     seen: SetUpTriangles<'a>,
-    work: &'a mut BandWork<'b>,
-    stride: usize,
+    projection: &'a Projection,
+    work: &'a mut BandWork<'b, Ids>,
     workers: &'a Workers,
 }
 
-impl<R: DepthTest> WithSimd for DrawBand<'_, '_, R> {
+impl<R: DepthTest, Ids: TriangleIds> WithSimd for DrawBand<'_, '_, R, Ids> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> bool {
-        let Self { rule, seen, work: BandWork { index, texels, next }, stride, workers } = self;
-        let index = *index;
+        let Self { rule, seen, projection, work: BandWork { index, texels, ids, next }, workers } = self;
+        let (index, stride) = (*index, stride(projection.size[0]));
         let (mut piece, mut triangle) = next.unwrap_or_else(|| {
             texels.fill(R::CLEARED);
+            ids.clear();
             (0, 0)
         });
-        let (first, height) = (index * BAND, texels.len() / stride);
-        let mut band = Band { first, end: first + height, stride, texels, lane_indices: black_box(LANE_INDICES) };
+        let (first, height) = (index * projection.rows_per_band, texels.len() / stride);
+        let mut band = Band { first, end: first + height, stride, texels, ids, lane_indices: black_box(LANE_INDICES) };
         let mut examined = 0;
         while piece < seen.pieces.len() + seen.alpha_tested.len() {
             if let Some(of_piece) = seen.pieces.get(piece) {

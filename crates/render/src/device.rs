@@ -51,11 +51,6 @@ impl Gpu {
     pub fn open(memory: MemoryBudget, backend: Option<Backend>) -> Result<Self, RenderError> {
         let adapter = choose_adapter()?;
         let backend = backend.unwrap_or_else(|| Backend::of(&adapter));
-        if !backend.works_with(&adapter) {
-            let (name, backend) = (driver::adapter_name(&adapter.get_info()), backend.name());
-            let why = format!("{name} gives no depths back, which the backend {backend} starts from");
-            return Err(RenderError::NoAdapter(why));
-        }
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("render"),
             required_features: FEATURES | (adapter.features() & OPTIONAL_FEATURES),

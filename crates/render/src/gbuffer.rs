@@ -3,8 +3,7 @@
 use glam::{DAffine3, DVec2};
 use scene::Projection;
 use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, Buffer, CommandEncoder, RenderPass, RenderPipeline, Texture,
-    TextureFormat, TextureView,
+    BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPass, RenderPipeline, TextureFormat, TextureView,
 };
 
 use crate::gpu_scene::GpuScene;
@@ -14,9 +13,8 @@ use crate::pipeline::{
     DEPTH_FORMAT, DrawPipeline, INFINITELY_FAR, RAW_TEXTURE, UINT_TEXTURE, color_attachment, cut_into_parts,
     depth_attachment, reversed_depth_test, vertex_buffers, whole_view,
 };
-use crate::readback::read_rows;
 use crate::tile::{Tile, pixel_count};
-use crate::{Gpu, RenderError, readback, shaders};
+use crate::{Gpu, RenderError, shaders};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 const OFFSET_FORMAT: TextureFormat = TextureFormat::R32Float;
@@ -45,25 +43,8 @@ pub(crate) struct GbufferTextures {
     /// Distance in front of the surface at which its shadow is tested.
     offset: TextureView,
     depth: TextureView,
-    /// Textures of `packed`, `offset` and `depth`, in this order.
-    pub textures: [Texture; 3],
     /// Group 1 of the lighting passes.
     pub surface: BindGroup,
-}
-
-/// Bytes per texel of each texture.
-const TEXEL_BYTES: [usize; 3] = [16, 4, 4];
-/// Approximate bytes per readback: all of 640 x 360 pixels.
-const STAGED_BYTES: u32 = 6 << 20;
-
-/// A G-buffer in CPU memory, rows from the top. See `surface.wgsl` for the meaning of texels.
-#[derive(Debug, Default)]
-pub(crate) struct GbufferTexels {
-    pub packed: Vec<[u32; 4]>,
-    pub offset: Vec<f32>,
-    /// Reversed depth: 0 in the background.
-    pub depth: Vec<f32>,
-    staging: Option<Buffer>,
 }
 
 /// Inputs of a G-buffer, except its texture size.
@@ -100,69 +81,6 @@ impl GbufferKey {
     }
 }
 
-impl GbufferTexels {
-    /// Returns the bytes of the texels of `size` pixels.
-    pub fn bytes_of([width, height]: [u32; 2]) -> u64 {
-        let [of_packed, of_offset, of_depth] = TEXEL_BYTES.map(|texel| texel * width as usize);
-        let staged = if fits_one_readback([width, height]) {
-            readback::padded_bytes([of_packed, of_offset, of_depth], height)
-        } else {
-            let colors = readback::padded_bytes([of_packed, of_offset], rows_at_once(width).min(height));
-            colors.max(readback::padded_bytes([of_depth], height))
-        };
-        pixel_count([width, height]) * BYTES_PER_PIXEL + staged
-    }
-
-    /// Returns the bytes of the arrays and of the readback buffer.
-    pub fn bytes(&self) -> u64 {
-        self.packed.len() as u64 * BYTES_PER_PIXEL + self.staging.as_ref().map_or(0, Buffer::size)
-    }
-
-    /// Reads back a G-buffer whose draw was submitted, and waits for it. If the readback is cancelled, the arrays hold
-    /// only a part.
-    pub fn read(&mut self, gpu: &Gpu, gbuffer: &GbufferTextures) -> Result<(), RenderError> {
-        let Self { packed, offset, depth, staging } = self;
-        let textures = gbuffer.textures.each_ref();
-        let (width, height) = (textures[0].width(), textures[0].height());
-        let pixels = width as usize * height as usize;
-        packed.clear();
-        packed.reserve_exact(pixels);
-        for texels in [&mut *offset, &mut *depth] {
-            texels.clear();
-            texels.reserve_exact(pixels);
-        }
-        let mut take = |index, row: &[u8]| match index {
-            0 => packed.extend_from_slice(bytemuck::cast_slice(row)),
-            1 => offset.extend_from_slice(bytemuck::cast_slice(row)),
-            _ => depth.extend_from_slice(bytemuck::cast_slice(row)),
-        };
-        let textures: [_; 3] = std::array::from_fn(|index| (textures[index], TEXEL_BYTES[index]));
-        if fits_one_readback([width, height]) {
-            return read_rows(gpu, staging, [0, height], textures, take);
-        }
-        let [colors @ .., z] = textures;
-        let rows = rows_at_once(width);
-        for first in (0..height).step_by(rows as usize) {
-            read_rows(gpu, staging, [first, rows.min(height - first)], colors, &mut take)?;
-            gpu.yield_point()?;
-        }
-        // WebGPU copies a depth texture only as a whole.
-        read_rows(gpu, staging, [0, height], [z], |_, row| take(2, row))
-    }
-}
-
-/// True if a G-buffer of this size is read back in one piece. A larger one is read in several, with a yield after each,
-/// because the system takes long to provide new memory.
-fn fits_one_readback(size: [u32; 2]) -> bool {
-    pixel_count(size) * BYTES_PER_PIXEL <= u64::from(STAGED_BYTES)
-}
-
-/// Returns the number of rows per readback of a G-buffer that is read in several pieces. The depth is read separately.
-fn rows_at_once(width: u32) -> u32 {
-    let [of_packed, of_offset, _] = TEXEL_BYTES;
-    (STAGED_BYTES / ((of_packed + of_offset) as u32 * width.max(1))).max(1)
-}
-
 impl GbufferPass {
     pub fn new(gpu: &Gpu, view_layout: &BindGroupLayout, material_layout: &BindGroupLayout) -> Self {
         let layout = gpu.pipeline_layout("gbuffer", &[view_layout, material_layout]);
@@ -191,11 +109,11 @@ impl GbufferPass {
     }
 
     pub fn targets(&self, gpu: &Gpu, width: u32, height: u32) -> GbufferTextures {
-        let textures = [FORMAT, OFFSET_FORMAT, DEPTH_FORMAT].map(|format| gpu.target("gbuffer", width, height, format));
-        let [packed, offset, depth] = textures.each_ref().map(whole_view);
+        let [packed, offset, depth] = [FORMAT, OFFSET_FORMAT, DEPTH_FORMAT]
+            .map(|format| whole_view(&gpu.target("gbuffer", width, height, format)));
         let resources = [&packed, &depth, &offset].map(BindingResource::TextureView);
         let surface = gpu.bind_group("surface", &self.surface_layout, &resources);
-        GbufferTextures { packed, offset, depth, textures, surface }
+        GbufferTextures { packed, offset, depth, surface }
     }
 
     /// Draws the surfaces of the pixels of the tile. The projection covers the whole picture, and pixels outside the tile are clipped, so tiles have the same content as the whole. A software driver draws in

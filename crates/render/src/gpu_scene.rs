@@ -3,6 +3,7 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
+use relight::SurfaceMaterials;
 use scene::PosedScene;
 use wgpu::{BindGroup, BindGroupLayout, Buffer};
 
@@ -34,10 +35,36 @@ pub(crate) struct UploadedScene {
     no_tests: Option<GpuAlphaTests>,
     /// Group 2 of the fill's pass; see `fill.wgsl`.
     pub fill: BindGroup,
+    /// Materials in CPU memory, for surfaces on the native backend; `None` on the wgpu backend.
+    pub host_materials: Option<HostMaterials>,
     /// Largest distance of the shadow casters from the surface in world units, and the casters.
     casters: (f64, Arc<Casters>),
     /// Counts the memory of buffers, textures and copies in CPU memory.
     _memory: Reservation,
+}
+
+/// Materials of a scene in CPU memory.
+#[derive(Debug)]
+pub(crate) struct HostMaterials {
+    pub materials: SurfaceMaterials,
+    /// One bit per triangle, in words of 32 triangles: set if the triangle is seen from both sides.
+    pub both_sides: Vec<u32>,
+}
+
+impl HostMaterials {
+    fn new(materials: SurfaceMaterials, draws: &[MaterialDraw], triangle_count: u32) -> Self {
+        let mut both_sides = vec![0; triangle_count.div_ceil(32) as usize];
+        for draw in draws.iter().filter(|draw| draw.double_sided) {
+            for triangle in draw.indices.start / 3..draw.indices.end / 3 {
+                both_sides[triangle as usize / 32] |= 1 << (triangle % 32);
+            }
+        }
+        Self { materials, both_sides }
+    }
+
+    fn bytes(&self) -> u64 {
+        self.materials.bytes() + size_of_val(&self.both_sides[..]) as u64
+    }
 }
 
 /// Scene as one renderer uses it: shared uploaded data, and the renderer's own bind group.
@@ -143,7 +170,7 @@ impl SceneOnDevice {
         let (scene, mut vertices) = (&posed.scene, gpu.run_in_background(|| Vertices::new(posed))??);
         let opaque = vertices.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
         let opaque_indices = opaque.map_or(0, |draw| draw.indices.end);
-        let Materials { draws, alpha_tests, texture_bytes } =
+        let Materials { draws, alpha_tests, host, texture_bytes } =
             Materials::new(gpu, &group_layouts.material, scene, &vertices.draws)?;
         gpu.yield_point()?;
         let no_tests = if alpha_tests.is_none() { Some(GpuAlphaTests::none(gpu)?) } else { None };
@@ -152,14 +179,18 @@ impl SceneOnDevice {
         let (triangle_count, runs) = (vertices.planes.len() as u32, std::mem::take(&mut vertices.runs));
         let geometry = Geometry::new(gpu, posed, vertices, &runs)?;
         gpu.yield_point()?;
+        let host_materials = host.map(|materials| HostMaterials::new(materials, &draws, triangle_count));
         let fill = gpu_structs::Fill {
             sky: scene.fill.sky.as_vec3().to_array(),
             ground: scene.fill.ground.as_vec3().to_array(),
             ..gpu_structs::Fill::default()
         };
         let fill_uniform = gpu.uniform_with("fill", &fill);
-        let bytes =
-            texture_bytes + geometry.bytes() + casters.bytes() + alpha_tests.as_ref().map_or(0, GpuAlphaTests::bytes);
+        let bytes = texture_bytes
+            + geometry.bytes()
+            + casters.bytes()
+            + alpha_tests.as_ref().map_or(0, GpuAlphaTests::bytes)
+            + host_materials.as_ref().map_or(0, HostMaterials::bytes);
         Ok(Self(Arc::new(UploadedScene {
             posed: Arc::clone(posed),
             geometry,
@@ -169,6 +200,7 @@ impl SceneOnDevice {
             runs,
             alpha_tests,
             no_tests,
+            host_materials,
             fill: gpu.bind_group("fill", &group_layouts.fill, &[fill_uniform.as_entire_binding()]),
             casters: (mesh_error, casters.into()),
             _memory: gpu.memory.reserve(MemoryKind::Scenes, bytes),

@@ -2,8 +2,13 @@
 
 use relight::{AlphaTests, CasterHierarchy, CasterLinks, CasterScene};
 
-use crate::gpu_scene::GpuScene;
+use crate::gpu_scene::{GpuScene, HostMaterials};
 use crate::linked::LinkedCasters;
+
+/// Returns the materials of the scene.
+pub(crate) fn host_materials(scene: &GpuScene) -> &HostMaterials {
+    scene.host_materials.as_ref().expect("they are there where the processor draws")
+}
 
 /// Returns the scene as shadow casters, reduced by `linked`.
 pub(crate) fn caster_scene<'a>(scene: &'a GpuScene, linked: Option<&'a LinkedCasters>) -> CasterScene<'a> {

@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use scene::{Sampler, Scene, TextureRef, Wrap};
+use relight::{MaterialRun, SampledTexture, SurfaceMaterial, SurfaceMaterials, TexelWrap, Texels, Texture};
+use scene::{Material, Sampler, Scene, TextureRef, Wrap};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, Features, TextureFormat, TextureView};
 
 use crate::alpha_test::{AlphaPicture, GpuAlphaTests, alpha_test};
@@ -31,6 +32,8 @@ pub(crate) struct Materials {
     pub draws: Vec<MaterialDraw>,
     /// `None` if no draw is alpha-tested.
     pub alpha_tests: Option<GpuAlphaTests>,
+    /// Same materials in CPU memory, for the native backend; `None` on the wgpu backend.
+    pub host: Option<SurfaceMaterials>,
     pub texture_bytes: u64,
 }
 
@@ -50,6 +53,8 @@ impl Materials {
             alpha: HashMap::new(),
             texels: Vec::new(),
             bytes: 0,
+            host: gpu.if_native(SurfaceMaterials::default),
+            in_host: HashMap::new(),
         };
         let mut material_draws = Vec::with_capacity(draws.len());
         let mut tests: Vec<gpu_structs::AlphaTest> = Vec::new();
@@ -75,6 +80,7 @@ impl Materials {
                 BindingResource::Sampler(&shine_sampler),
             ];
             let group = gpu.bind_group("material", layout, &resources);
+            textures.add_host_run(draw, material)?;
             if material.alpha_cutoff.is_some() {
                 let picture = textures.alpha(material.base_color_texture);
                 let first_masked = tests.first().map_or(draw.indices.start, |test| test.first_index);
@@ -89,9 +95,9 @@ impl Materials {
                 double_sided: material.double_sided,
             });
         }
-        let Textures { texels, bytes: texture_bytes, .. } = textures;
+        let Textures { texels, bytes: texture_bytes, host, .. } = textures;
         let alpha_tests = (!tests.is_empty()).then(|| GpuAlphaTests::new(gpu, tests, texels)).transpose()?;
-        Ok(Self { draws: material_draws, alpha_tests, texture_bytes })
+        Ok(Self { draws: material_draws, alpha_tests, host, texture_bytes })
     }
 }
 
@@ -107,6 +113,9 @@ struct Textures<'a> {
     texels: Vec<u8>,
     /// Bytes of all textures.
     bytes: u64,
+    host: Option<SurfaceMaterials>,
+    /// Index of each image in the textures of `host`, by encoding.
+    in_host: HashMap<(usize, Encoding), usize>,
 }
 
 impl Textures<'_> {
@@ -139,6 +148,60 @@ impl Textures<'_> {
         let sampler = texture.map(|texture| texture.sampler).unwrap_or_default();
         let sampler = self.samplers.entry(sampler).or_insert_with(|| create_sampler(self.gpu, sampler));
         Ok((view, sampler.clone()))
+    }
+
+    /// Adds a run of triangles to the materials in CPU memory, if there are any.
+    fn add_host_run(&mut self, draw: &MaterialRange, material: &Material) -> Result<(), RenderError> {
+        if self.host.is_none() {
+            return Ok(());
+        }
+        let base_color_texture = self.host_texture(material.base_color_texture, Encoding::Srgb)?;
+        let metallic_roughness_texture = self.host_texture(material.metallic_roughness_texture, Encoding::Linear)?;
+        let material = SurfaceMaterial {
+            base_color: material.base_color.to_array(),
+            metallic: material.metallic,
+            roughness: material.roughness,
+            base_color_texture,
+            metallic_roughness_texture,
+        };
+        let run = MaterialRun { end: draw.indices.end / 3, material };
+        self.host.as_mut().into_iter().for_each(|host| host.runs.push(run));
+        Ok(())
+    }
+
+    /// Returns a texture of the materials in CPU memory, which is made at first use.
+    fn host_texture(
+        &mut self,
+        texture: Option<TextureRef>,
+        encoding: Encoding,
+    ) -> Result<Option<SampledTexture>, RenderError> {
+        let (Some(TextureRef { image, sampler }), Some(host)) = (texture, &mut self.host) else { return Ok(None) };
+        let index = if let Some(known) = self.in_host.get(&(image, encoding)) {
+            *known
+        } else {
+            let picture = &self.scene.images[image];
+            let size = [picture.width, picture.height];
+            let format = match encoding {
+                Encoding::Linear => TextureFormat::Rgba8Unorm,
+                Encoding::Srgb => TextureFormat::Rgba16Unorm,
+            };
+            let make = || mip_chain((picture.width, picture.height), &picture.rgba8, encoding, format);
+            let MipChain { bytes, .. } = self.gpu.run_in_background(make)?;
+            let texels = match encoding {
+                Encoding::Linear => Texels::Unorm8(bytemuck::pod_collect_to_vec(&bytes)),
+                Encoding::Srgb => Texels::Unorm16(bytemuck::pod_collect_to_vec(&bytes)),
+            };
+            host.textures.push(Texture::new(size, texels));
+            self.in_host.insert((image, encoding), host.textures.len() - 1);
+            host.textures.len() - 1
+        };
+        let Sampler { wrap_u, wrap_v, nearest } = sampler;
+        let [wrap_u, wrap_v] = [wrap_u, wrap_v].map(|wrap| match wrap {
+            Wrap::Repeat => TexelWrap::Repeat,
+            Wrap::MirroredRepeat => TexelWrap::MirroredRepeat,
+            Wrap::ClampToEdge => TexelWrap::ClampToEdge,
+        });
+        Ok(Some(SampledTexture { texture: index, wrap_u, wrap_v, nearest }))
     }
 
     fn alpha(&mut self, texture: Option<TextureRef>) -> AlphaPicture {

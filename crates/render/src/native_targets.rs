@@ -3,15 +3,21 @@
 use std::sync::Arc;
 use std::task::Poll;
 
+use glam::Mat4;
 use light::{CheckedLight, LightInstance};
-use relight::{CameraRays, DrawnLight, Exposure, FillColors, GbufferRows, LayerSum, LayerTerms, LightLayer, Surfaces};
+use relight::{
+    CameraRays, DrawnLight, Exposure, FillColors, LayerSum, LayerTerms, LightLayer, PicturePart, SurfaceScene,
+    Surfaces, VisibilityBuffer, VisibilityBuilder, VisibleTriangles,
+};
+use scene::Projection;
 
-use crate::gpu_scene::GpuScene;
-use crate::host_scene::caster_scene;
+use crate::gbuffer::GbufferKey;
+use crate::host_scene::{caster_scene, host_materials};
 use crate::layers::{LayerWork, Layers, factors};
 use crate::lights::ReadyLight;
 use crate::native_layers::{NativeLayers, NativeTerms};
 use crate::native_map::NativeLight;
+use crate::pass_runs::Cause;
 use crate::passes::DrawContext;
 use crate::stages::FrameStage;
 use crate::tile::{area, pixel_count};
@@ -20,8 +26,8 @@ use crate::{Gpu, RenderError, gpu_structs};
 /// Surfaces that pixels show, in CPU memory, with the light that was added up on them.
 #[derive(Debug, Default)]
 pub(crate) struct NativeTargets {
-    /// Surfaces of the latest G-buffer; `None` until needed.
-    surfaces: Option<Surfaces>,
+    /// Surfaces, and what they were made from; `None` until needed.
+    surfaces: Option<(GbufferKey, Surfaces)>,
     layers: Layers<Arc<LightLayer>, Arc<LayerSum>>,
     /// Sum of the lights added so far in the current sample.
     sample_sum: LayerSum,
@@ -29,18 +35,43 @@ pub(crate) struct NativeTargets {
     radiance: Vec<[f32; 4]>,
 }
 
-/// Unpacks the surfaces of a G-buffer that was drawn with `view`.
-pub(crate) fn surfaces(
-    gpu: &Gpu,
-    scene: &GpuScene,
-    view: &gpu_structs::View,
-    gbuffer: &GbufferRows,
-) -> Result<Surfaces, RenderError> {
-    let fill = &scene.posed.scene.fill;
-    let fill = FillColors { sky: fill.sky.as_vec3().to_array(), ground: fill.ground.as_vec3().to_array() };
-    let surfaces = Surfaces::new(gpu.workers(), &caster_scene(scene, None), camera(view), fill, gbuffer)?;
-    gpu.stages.record_stage(FrameStage::Surfaces);
-    Ok(surfaces)
+/// Memory for drawing the surfaces of pictures, reused from one to the next.
+#[derive(Debug, Default)]
+pub(crate) struct SurfacesBuilder {
+    visible: VisibilityBuffer,
+    builder: VisibilityBuilder,
+}
+
+impl SurfacesBuilder {
+    /// Draws the surfaces of the context's tile. `view` is the uniform of the camera.
+    fn draw(
+        &mut self,
+        &DrawContext { gpu, scene, raster, tile, .. }: &DrawContext,
+        view: &gpu_structs::View,
+    ) -> Result<Surfaces, RenderError> {
+        let (triangles, host) = (caster_scene(scene, None), host_materials(scene));
+        let near = match raster.projection {
+            Projection::Perspective { znear, .. } => Some(znear as f32),
+            Projection::Orthographic { .. } => None,
+        };
+        let part = PicturePart {
+            clip_from_scene: Mat4::from_cols_array_2d(&view.clip_from_scene),
+            near,
+            camera: camera(view),
+            whole: [raster.width, raster.height].map(|side| side as usize),
+            first: [tile.x, tile.y].map(|pixels| pixels as usize),
+            size: [tile.width, tile.height].map(|side| side as usize),
+        };
+        let drawn = VisibleTriangles { scene: &triangles, both_sides: &host.both_sides };
+        self.builder.draw(gpu.workers(), &drawn, &part, &mut self.visible)?;
+        gpu.stages.record_stage(FrameStage::Gbuffer);
+        let fill = &scene.posed.scene.fill;
+        let fill = FillColors { sky: fill.sky.as_vec3().to_array(), ground: fill.ground.as_vec3().to_array() };
+        let shown = SurfaceScene { triangles: &triangles, materials: &host.materials };
+        let surfaces = Surfaces::new(gpu.workers(), &shown, part.camera, fill, &self.visible)?;
+        gpu.stages.record_stage(FrameStage::Surfaces);
+        Ok(surfaces)
+    }
 }
 
 fn camera(view: &gpu_structs::View) -> CameraRays {
@@ -65,16 +96,32 @@ impl NativeTargets {
 
     /// Returns the bytes, without layers.
     pub fn bytes(&self) -> u64 {
-        let surfaces = self.surfaces.as_ref().map_or(0, Surfaces::bytes);
+        let surfaces = self.surfaces.as_ref().map_or(0, |(_, surfaces)| surfaces.bytes());
         surfaces + LayerSum::bytes(self.sample_sum.block_count()) + size_of_val(&self.radiance[..]) as u64
     }
 
-    pub fn has_surfaces(&self) -> bool {
-        self.surfaces.is_some()
+    /// True if the surfaces are those of `key`.
+    pub fn shows(&self, key: &GbufferKey) -> bool {
+        self.surfaces.as_ref().is_some_and(|(shown, _)| shown == key)
     }
 
-    pub fn set_surfaces(&mut self, surfaces: Surfaces) {
-        self.surfaces = Some(surfaces);
+    /// Draws the surfaces of `key`, unless they are there. Returns the cause if they were drawn. `view` is the uniform of
+    /// the camera.
+    pub fn draw_surfaces(
+        &mut self,
+        context: &DrawContext,
+        builder: &mut SurfacesBuilder,
+        key: GbufferKey,
+        view: &gpu_structs::View,
+    ) -> Result<Option<Cause>, RenderError> {
+        if self.shows(&key) {
+            return Ok(None);
+        }
+        let cause = key.cause_after(self.surfaces.as_ref().map(|(before, _)| before));
+        // Frees the old surfaces first, so that two never coexist.
+        self.invalidate();
+        self.surfaces = Some((key, builder.draw(context, view)?));
+        Ok(Some(cause))
     }
 
     /// Drops the surfaces, and marks the layers as invalid.
@@ -169,6 +216,6 @@ impl NativeTargets {
     }
 }
 
-fn expect_surfaces(surfaces: Option<&Surfaces>) -> &Surfaces {
-    surfaces.expect("whoever lights pixels has had them see")
+fn expect_surfaces(surfaces: Option<&(GbufferKey, Surfaces)>) -> &Surfaces {
+    &surfaces.expect("whoever lights pixels has had them see").1
 }

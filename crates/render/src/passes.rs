@@ -1,5 +1,6 @@
 //! Pipelines and the layouts of their bind groups, shared by all scenes and pictures.
 
+use glam::DVec2;
 use wgpu::BindGroupLayout;
 
 use crate::Gpu;
@@ -7,7 +8,7 @@ use crate::bendy_light::BendyPass;
 use crate::camera::CameraRaster;
 use crate::composite::CompositePass;
 use crate::display::DisplayPass;
-use crate::gbuffer::GbufferPass;
+use crate::gbuffer::{GbufferKey, GbufferPass};
 use crate::gpu_scene::{GpuScene, SceneGroupLayouts};
 use crate::lighting::LightingPass;
 use crate::pipeline::{STORAGE, UNIFORM};
@@ -37,6 +38,21 @@ pub(crate) struct DrawContext<'a> {
     pub raster: &'a CameraRaster,
     /// Part of the picture that is drawn.
     pub tile: Tile,
+}
+
+impl DrawContext<'_> {
+    /// Returns the key of the tile's surfaces, for samples at this offset from the centers of pixels.
+    pub fn gbuffer_key(&self, sample_offset: DVec2) -> GbufferKey {
+        let Self { scene, raster, tile, .. } = *self;
+        GbufferKey {
+            revision: scene.revision,
+            world_from_camera: raster.world_from_camera,
+            projection: raster.projection,
+            size: [raster.width, raster.height],
+            tile,
+            sample_offset,
+        }
+    }
 }
 
 impl Passes {

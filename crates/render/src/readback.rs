@@ -36,51 +36,6 @@ pub(crate) fn read<T: bytemuck::Pod>(
     Ok(texels)
 }
 
-/// Reads back rows of textures of equal width and height in one copy. `take` gets each row with the index of its
-/// texture: those of the first texture from the top, then those of the next. The copy uses `staging`, which is created
-/// if absent or too small. Waits for all submitted work.
-pub(crate) fn read_rows<const N: usize>(
-    gpu: &Gpu,
-    staging: &mut Option<Buffer>,
-    [first, count]: [u32; 2],
-    textures: [(&Texture, usize); N],
-    mut take: impl FnMut(usize, &[u8]),
-) -> Result<(), RenderError> {
-    let rows = textures.each_ref().map(|(texture, texel)| texel * texture.width() as usize);
-    let size = padded_bytes(rows, count);
-    RenderError::check_size("the picture's G-buffer in bytes", size, gpu.device.limits().max_buffer_size)?;
-    let fits = staging.take().filter(|buffer| buffer.size() >= size);
-    let buffer = staging.insert(fits.unwrap_or_else(|| readback_buffer(gpu, size)));
-    let mut encoder = gpu.encoder();
-    let mut offset = 0;
-    for ((texture, _), row) in textures.iter().zip(rows) {
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset, bytes_per_row: Some(padded(row) as u32), rows_per_image: None };
-        encoder.copy_texture_to_buffer(
-            wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: first, z: 0 }, ..texture.as_image_copy() },
-            wgpu::TexelCopyBufferInfo { buffer, layout },
-            wgpu::Extent3d { height: count, ..texture.size() },
-        );
-        offset += (padded(row) * count as usize) as u64;
-    }
-    gpu.queue.submit([encoder.finish()]);
-    let bytes = map(gpu, buffer)?;
-    let mut rest = &bytes[..];
-    for (index, row) in rows.into_iter().enumerate() {
-        let (own, behind) = rest.split_at(padded(row) * count as usize);
-        own.chunks_exact(padded(row)).for_each(|padded| take(index, &padded[..row]));
-        rest = behind;
-    }
-    drop(bytes);
-    buffer.unmap();
-    Ok(())
-}
-
-/// Returns the bytes of the staging buffer for textures of one height, from the bytes of their rows.
-pub(crate) fn padded_bytes<const N: usize>(rows: [usize; N], height: u32) -> u64 {
-    rows.map(|row| (padded(row) * height as usize) as u64).iter().sum()
-}
-
 /// Returns the bytes from one row of a copied texture to the next.
 fn padded(row: usize) -> usize {
     row.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT as usize)

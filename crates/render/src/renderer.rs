@@ -15,6 +15,7 @@ use wgpu::Buffer;
 use crate::camera::{CameraRaster, sample_offset};
 use crate::gpu_scene::{GpuScene, SceneOnDevice};
 use crate::lights::ShadowMaps;
+use crate::native_targets::SurfacesBuilder;
 use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
 use crate::passes::{DrawContext, Passes};
 use crate::pause::{DrawnPiece, Pause};
@@ -38,6 +39,7 @@ pub struct Renderer {
     view_uniform: Buffer,
     pub(crate) scene: GpuScene,
     viewers: Viewers,
+    native_surfaces: SurfacesBuilder,
     pub(crate) shadow_maps: ShadowMaps,
     pass_runs: PassRuns,
 }
@@ -64,7 +66,8 @@ impl Renderer {
             Ok((view_uniform, scene))
         })?;
         let (viewers, shadow_maps, ran) = (Viewers::default(), ShadowMaps::new(), PassRuns::default());
-        Ok(Self { gpu, passes, view_uniform, scene, viewers, shadow_maps, pass_runs: ran })
+        let native_surfaces = SurfacesBuilder::default();
+        Ok(Self { gpu, passes, view_uniform, scene, viewers, native_surfaces, shadow_maps, pass_runs: ran })
     }
 
     /// Sets the scene: its geometry, materials and fill. Its cameras and lights are ignored. On an error the previous
@@ -213,7 +216,7 @@ impl Renderer {
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
         self.run_or_discard(view.slot, |renderer, gpu| {
             gpu.memory.begin_picture();
-            let mut targets = renderer.viewers.take(gpu, &renderer.passes, &drawing.view)?;
+            let mut targets = renderer.viewers.take(gpu, &drawing.view)?;
             while !renderer.draw_sample(gpu, &mut targets, &drawing, tile, None)? {}
             let result = work(renderer, gpu, &targets)?;
             renderer.shadow_maps.finish(view.slot);

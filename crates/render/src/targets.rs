@@ -9,11 +9,11 @@ use wgpu::{CommandEncoder, Texture, TextureView};
 
 use crate::composite::GpuTerms;
 use crate::display::ExposedRadiance;
-use crate::gbuffer::{self, GbufferKey, GbufferTexels, GbufferTextures, GbufferView};
+use crate::gbuffer::{self, GbufferKey, GbufferTextures, GbufferView};
 use crate::layers::{LayerWork, Layers};
 use crate::lights::ReadyLight;
 use crate::memory::{Evictable, MemoryKind};
-use crate::native_targets::{self, NativeTargets};
+use crate::native_targets::NativeTargets;
 use crate::pass_runs::Cause;
 use crate::passes::{DrawContext, Passes};
 use crate::pipeline::{color_attachment, whole_view};
@@ -21,7 +21,7 @@ use crate::stages::FrameStage;
 use crate::tile::{Tile, area, pixel_count, row_bands};
 use crate::wgpu_layers::WgpuLayers;
 use crate::wgpu_maps::WgpuLight;
-use crate::{Aov, Backend, Gpu, RenderError, View, ViewSlot, display, gpu_structs, lighting};
+use crate::{Aov, Backend, Gpu, RenderError, View, ViewSlot, display, lighting};
 
 /// Bytes per pixel of radiance and of a screen's picture.
 const LIT_BYTES_PER_PIXEL: u64 = 16 + 4;
@@ -36,11 +36,10 @@ pub(crate) struct Viewers(Vec<(ViewSlot, Evictable<Targets>)>);
 pub(crate) struct Targets {
     /// Width and height in pixels: of the tile, if the picture is drawn in tiles.
     pub size: [u32; 2],
-    gbuffer: GbufferTextures,
+    /// G-buffer on the device, created at first use.
+    gbuffer: OnceLock<GbufferTextures>,
     /// Key of the G-buffer's content; `None` if it is invalid.
     gbuffer_key: Option<GbufferKey>,
-    /// Copy of the G-buffer in CPU memory, and the key it was read with. It may be older than the G-buffer.
-    texels: (Option<GbufferKey>, GbufferTexels),
     /// Layers of lights on the wgpu backend.
     layers: Layers<TextureView, TextureView>,
     pub native: NativeTargets,
@@ -69,7 +68,7 @@ type LightRevision = (LightId, LightDigest);
 impl Viewers {
     /// Takes the targets of the viewer of `view`, with their content if the size is unchanged. The caller must put them
     /// back.
-    pub fn take(&mut self, gpu: &Gpu, passes: &Passes, view: &View) -> Result<Targets, RenderError> {
+    pub fn take(&mut self, gpu: &Gpu, view: &View) -> Result<Targets, RenderError> {
         gpu.check_picture_side(view.width.max(view.height))?;
         self.0.retain(|(_, targets)| targets.is_present());
         let size = [view.width, view.height];
@@ -79,7 +78,7 @@ impl Viewers {
         }
         self.drop_view(view.slot);
         gpu.make_room(bytes_of(gpu.backend_of(view.aov), size));
-        Ok(Targets::new(gpu, passes, size))
+        Ok(Targets::new(size))
     }
 
     /// Caches the targets of a viewer for its next picture.
@@ -113,10 +112,7 @@ impl Viewers {
 pub(crate) fn bytes_of(backend: Backend, size: [u32; 2]) -> u64 {
     match backend {
         Backend::Wgpu => pixel_count(size) * BYTES_PER_PIXEL,
-        Backend::Native => {
-            let device = pixel_count(size) * gbuffer::BYTES_PER_PIXEL;
-            device + GbufferTexels::bytes_of(size) + NativeTargets::max_bytes(size)
-        }
+        Backend::Native => NativeTargets::max_bytes(size),
     }
 }
 
@@ -136,13 +132,11 @@ impl LitTargets {
 }
 
 impl Targets {
-    pub fn new(gpu: &Gpu, passes: &Passes, size: [u32; 2]) -> Self {
-        let [width, height] = size;
+    pub fn new(size: [u32; 2]) -> Self {
         Self {
             size,
-            gbuffer: passes.gbuffer.targets(gpu, width, height),
+            gbuffer: OnceLock::new(),
             gbuffer_key: None,
-            texels: (None, GbufferTexels::default()),
             layers: Layers::default(),
             native: NativeTargets::default(),
             lit: OnceLock::new(),
@@ -152,27 +146,22 @@ impl Targets {
         }
     }
 
-    /// Returns the bytes of textures, their copies in CPU memory and the native backend's data; without layers.
+    /// Returns the bytes of textures and of the native backend's data; without layers.
     fn bytes(&self) -> u64 {
         let lit = if self.lit.get().is_some() { LIT_BYTES_PER_PIXEL } else { 0 };
-        let device = pixel_count(self.size) * (gbuffer::BYTES_PER_PIXEL + lit);
-        device + self.texels.1.bytes() + self.native.bytes()
+        let gbuffer = if self.gbuffer.get().is_some() { gbuffer::BYTES_PER_PIXEL } else { 0 };
+        pixel_count(self.size) * (gbuffer + lit) + self.native.bytes()
+    }
+
+    /// Returns the G-buffer. Creates it at first use.
+    fn gbuffer(&self, gpu: &Gpu, passes: &Passes) -> &GbufferTextures {
+        let [width, height] = self.size;
+        self.gbuffer.get_or_init(|| passes.gbuffer.targets(gpu, width, height))
     }
 
     /// Returns the textures to which the GPU adds light. Creates them at first use.
     pub fn lit(&self, gpu: &Gpu, passes: &Passes) -> &LitTargets {
         self.lit.get_or_init(|| LitTargets::new(gpu, passes, self.size))
-    }
-
-    /// Returns the G-buffer in CPU memory. Reads it back if it has changed. Its draw must have been submitted.
-    pub fn gbuffer_texels(&mut self, gpu: &Gpu) -> Result<&GbufferTexels, RenderError> {
-        let (key, texels) = &mut self.texels;
-        if *key != self.gbuffer_key {
-            *key = None;
-            texels.read(gpu, &self.gbuffer)?;
-            *key = self.gbuffer_key;
-        }
-        Ok(texels)
     }
 
     /// Begins a picture. Clears the progress, unless the radiance already has a part of this picture.
@@ -193,15 +182,8 @@ impl Targets {
         encoder: &mut CommandEncoder,
         sample_offset: DVec2,
     ) -> Result<Option<Cause>, RenderError> {
-        let DrawContext { scene, raster, tile, .. } = *context;
-        let key = GbufferKey {
-            revision: scene.revision,
-            world_from_camera: raster.world_from_camera,
-            projection: raster.projection,
-            size: [raster.width, raster.height],
-            tile,
-            sample_offset,
-        };
+        let DrawContext { gpu, passes, scene, tile, .. } = *context;
+        let key = context.gbuffer_key(sample_offset);
         let cause = match self.gbuffer_key {
             Some(before) if before == key => return Ok(None),
             before => key.cause_after(before.as_ref()),
@@ -209,16 +191,15 @@ impl Targets {
         // Invalid until all of it is drawn.
         self.gbuffer_key = None;
         let shown = GbufferView { scene, size: key.size, tile };
-        context.passes.gbuffer.draw(context.gpu, encoder, &self.gbuffer, shown)?;
+        passes.gbuffer.draw(gpu, encoder, self.gbuffer(gpu, passes), shown)?;
         self.layers.invalidate();
-        self.native.invalidate();
         self.gbuffer_key = Some(key);
         Ok(Some(cause))
     }
 
     /// Marks all content as invalid, and keeps the memory.
     pub fn invalidate(&mut self) {
-        (self.gbuffer_key, self.texels.0, self.radiance_key) = (None, None, None);
+        (self.gbuffer_key, self.radiance_key) = (None, None);
         self.layers.invalidate();
         self.native.invalidate();
     }
@@ -275,7 +256,7 @@ impl Targets {
             ..Default::default()
         });
         pass.set_bind_group(0, &scene.view, &[]);
-        pass.set_bind_group(1, &self.gbuffer.surface, &[]);
+        pass.set_bind_group(1, &self.gbuffer(gpu, passes).surface, &[]);
         let everywhere = [0, 0, tile.width, tile.height];
         match aov {
             Aov::Beauty if base => passes.fill.draw(gpu, &mut pass, aov, &[&scene.fill], everywhere),
@@ -308,33 +289,11 @@ impl Targets {
         work: &mut LayerWork,
         lights: &[LightInstance],
     ) -> Result<Poll<Option<GpuTerms>>, RenderError> {
-        let surface = &self.gbuffer.surface;
+        let DrawContext { gpu, passes, .. } = work.context;
+        let gbuffer = self.gbuffer.get_or_init(|| passes.gbuffer.targets(gpu, self.size[0], self.size[1]));
+        let surface = &gbuffer.surface;
         let mut painter = WgpuLayers { context: work.context, surface, size: self.size, encoder };
         self.layers.draw(work, &mut painter, lights)
-    }
-
-    /// Unpacks the surfaces of the pixels of the tile for the native backend. `view` is the uniform of the G-buffer's
-    /// draw, which must have been submitted.
-    pub fn prepare_surfaces(
-        &mut self,
-        &DrawContext { gpu, scene, tile, .. }: &DrawContext,
-        view: &gpu_structs::View,
-    ) -> Result<(), RenderError> {
-        if self.native.has_surfaces() {
-            return Ok(());
-        }
-        let row = self.size[0] as usize;
-        let GbufferTexels { packed, offset, depth, .. } = self.gbuffer_texels(gpu)?;
-        let gbuffer = relight::GbufferRows {
-            size: [tile.width, tile.height],
-            row_stride: row,
-            packed,
-            z: depth,
-            terminator_offset: offset,
-        };
-        let surfaces = native_targets::surfaces(gpu, scene, view, &gbuffer)?;
-        self.native.set_surfaces(surfaces);
-        Ok(())
     }
 }
 

@@ -46,7 +46,7 @@ pub(crate) fn row_bands([x, y, width, height]: [u32; 4], parts: u32) -> impl Ite
 /// Shortest side of a tile in pixels, except at the picture's edges. A tile of that size takes half its time for its
 /// pixels, where they are cheapest, and half for work that does not depend on its size.
 const MIN_SIDE: u32 = 128;
-/// Longest side of a tile in pixels. The targets of such a tile take 46 MB, on the native backend 160 MB.
+/// Longest side of a tile in pixels. The targets of such a tile take 46 MB, on the native backend 84 MB.
 const MAX_SIDE: u32 = 1024;
 /// Side of the first tile in pixels, before any measurement.
 const FIRST_SIDE: u32 = 256;

@@ -161,7 +161,7 @@ impl Renderer {
         let work = work.get_or_insert_with(|| TiledWork::new(gpu, size, triangles, pixels));
         let Some(next) = work.tiling.tile() else { return Ok(true) };
         let tile = if whole { Tile { x: 0, y: 0, width: size[0], height: size[1] } } else { next };
-        work.ensure_targets(gpu, self, drawing.view.aov, tile)?;
+        work.ensure_targets(gpu, drawing.view.aov, tile)?;
         let Some(targets) = &mut work.targets else { return Ok(false) };
 
         let (since, longest) = (Cell::new(Instant::now()), Cell::new(work.longest_piece));
@@ -252,7 +252,7 @@ impl TiledWork {
     }
 
     /// Makes targets that are at least as large as `tile`, and not much larger, unless the present ones are.
-    fn ensure_targets(&mut self, gpu: &Gpu, renderer: &Renderer, aov: Aov, tile: Tile) -> Result<(), RenderError> {
+    fn ensure_targets(&mut self, gpu: &Gpu, aov: Aov, tile: Tile) -> Result<(), RenderError> {
         let (width, height) = (tile.width, tile.height);
         gpu.check_picture_side(width.max(height))?;
         let most = 2 * pixel_count([width, height]);
@@ -265,7 +265,7 @@ impl TiledWork {
             gpu.free_dropped_memory();
             let bytes = bytes_of(gpu.backend_of(aov), [width, height]);
             self.tile_memory = Some(gpu.memory.reserve(MemoryKind::Tiled, bytes));
-            self.targets = Some(Targets::new(gpu, &renderer.passes, [width, height]));
+            self.targets = Some(Targets::new([width, height]));
         }
         Ok(())
     }

@@ -15,26 +15,26 @@ pub(super) struct Polygon<const N: usize> {
 }
 
 impl<const N: usize> Polygon<N> {
-    /// Clips a triangle to w >= `least_w`, |x| <= `guard` w and |y| <= `guard` w. The polygon is empty if nothing
+    /// Clips a triangle to w >= `least_w`, |x| <= `guard[0]` w and |y| <= `guard[1]` w. The polygon is empty if nothing
     /// remains, if a coordinate is not finite, or if a corner is the origin, from which the triangle is seen edge on.
     ///
     /// Two triangles that share an edge get the same corners on it: interpolation goes from inside to outside, whatever
     /// the winding, and corners inside stay as they are.
-    pub fn clip(triangle: [ClipCorner<N>; 3], least_w: f32, guard: f32) -> Self {
+    pub fn clip(triangle: [ClipCorner<N>; 3], least_w: f32, guard: [f32; 2]) -> Self {
         let mut polygon = Self { corners: [[0.0; N]; MAX_CORNERS], count: 0 };
         let is_finite = triangle.as_flattened().iter().all(|x| x.is_finite());
         if is_finite && triangle.iter().all(|corner| corner[..3] != [0.0; 3]) {
             polygon.corners[..3].copy_from_slice(&triangle);
             polygon.count = 3;
         }
-        let guard = f64::from(guard);
+        let [right, up] = guard.map(f64::from);
         // Coefficients of x, y, w and 1. The part where their sum is negative is clipped.
         let planes = [
             [0.0, 0.0, 1.0, -f64::from(least_w)],
-            [-1.0, 0.0, guard, 0.0],
-            [1.0, 0.0, guard, 0.0],
-            [0.0, -1.0, guard, 0.0],
-            [0.0, 1.0, guard, 0.0],
+            [-1.0, 0.0, right, 0.0],
+            [1.0, 0.0, right, 0.0],
+            [0.0, -1.0, up, 0.0],
+            [0.0, 1.0, up, 0.0],
         ];
         for plane in planes {
             polygon = polygon.clip_by_plane(plane);

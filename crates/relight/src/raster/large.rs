@@ -3,8 +3,15 @@
 #![expect(clippy::cast_possible_wrap, reason = "positions on a map are far below 2^31")]
 
 use super::Band;
+use super::ids::TriangleIds;
 use super::rule::DepthTest;
 use super::wide::{F32s, Ints, LANES};
+
+/// True if corners are clockwise on the face, as those of a triangle are that is seen from behind.
+pub(super) fn is_clockwise(corners: &[Corner; 3]) -> bool {
+    let [p, q, r] = corners.map(|corner| corner.at.map(i64::from));
+    (q[0] - p[0]) * (r[1] - p[1]) > (r[0] - p[0]) * (q[1] - p[1])
+}
 
 /// Corner of a triangle on a face.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +30,10 @@ pub(super) struct LargeTriangle {
     /// First and last column and row of the texels whose centers may be covered.
     pub columns: [i32; 2],
     pub rows: [i32; 2],
+    /// Least column of the whole triangle, from which N and D are interpolated in each part of a picture.
+    anchor: i32,
+    /// Number of the triangle; see [`TriangleIds`].
+    pub id: u32,
     /// Edge functions like those of `SmallTriangle`: `c + a i + b j` at the texel in column `i` and row `j` of the
     /// face.
     a: [f64; 3],
@@ -36,13 +47,15 @@ pub(super) struct LargeTriangle {
 /// functions of the second and the third corner.
 pub(super) type Plane = [f64; 3];
 
-/// Covered texels of a triangle in one row, with N and D of [`DepthTest`] along them.
+/// Covered texels of a triangle in one row, with N and D of [`DepthTest`] along them from the anchor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     /// First covered column. The next field is the number of columns.
     pub first: usize,
     pub count: usize,
-    /// Value of N at the first column. The next field is D.
+    /// Columns from the anchor to the first covered one.
+    pub from_anchor: i32,
+    /// Value of N at the anchor. The next field is D.
     pub n: f32,
     pub d: f32,
     /// Change of N from one column to the next. The next field is that of D.
@@ -51,22 +64,22 @@ pub(super) struct Run {
 }
 
 impl LargeTriangle {
-    /// Sets up a triangle. `None` if it cannot cover a texel of a face with `side` texels a side.
-    pub fn new(corners: [Corner; 3], side: usize) -> Option<Self> {
-        Self::with_planes(corners, [], side).map(|(large, [])| large)
+    /// Sets up a triangle. `None` if it cannot cover one of `size` texels.
+    pub fn new(corners: [Corner; 3], size: [usize; 2]) -> Option<Self> {
+        Self::with_planes(corners, [], size).map(|(large, [])| large)
     }
 
     /// Sets up a triangle, and a plane for each list of `others`, which has a value per corner.
     pub fn with_planes<const N: usize>(
         corners: [Corner; 3],
         others: [[f64; 3]; N],
-        side: usize,
+        size: [usize; 2],
     ) -> Option<(Self, [Plane; N])> {
         let [p, q, r] = corners.map(|corner| corner.at.map(i64::from));
         let doubled_area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
         let range = |axis: usize| {
             let [least, most] = [p[axis].min(q[axis]).min(r[axis]), p[axis].max(q[axis]).max(r[axis])];
-            [((least + 255) >> 8).max(0) as i32, (most >> 8).min(side as i64 - 1) as i32]
+            [((least + 255) >> 8).max(0) as i32, (most >> 8).min(size[axis] as i64 - 1) as i32]
         };
         let [columns, rows] = [range(0), range(1)];
         if doubled_area == 0 || columns[0] > columns[1] || rows[0] > rows[1] {
@@ -92,6 +105,8 @@ impl LargeTriangle {
         let large = Self {
             columns,
             rows,
+            anchor: p[0].min(q[0]).min(r[0]).div_euclid(256) as i32,
+            id: 0,
             a: of(0),
             b: of(1),
             c: of(2),
@@ -102,7 +117,7 @@ impl LargeTriangle {
     }
 
     /// Returns the number of texels of the bounding box in a band.
-    pub fn texels_in(&self, band: &Band) -> usize {
+    pub fn texels_in<Ids>(&self, band: &Band<Ids>) -> usize {
         let first = (self.rows[0] as usize).max(band.first);
         let end = (self.rows[1] as usize + 1).min(band.end);
         end.saturating_sub(first) * ((self.columns[1] - self.columns[0]) as usize + LANES)
@@ -141,11 +156,13 @@ impl LargeTriangle {
         if first > last {
             return None;
         }
-        let (one, two) = (starts[1] + self.a[1] * first, starts[2] + self.a[2] * first);
+        let anchor = f64::from(self.anchor);
+        let (one, two) = (starts[1] + self.a[1] * anchor, starts[2] + self.a[2] * anchor);
         let (n, d) = (self.n, self.d);
         Some(Run {
             first: first as i32 as usize,
             count: (last - first) as i32 as usize + 1,
+            from_anchor: first as i32 - self.anchor,
             n: evaluate_plane(&n, one, two) as f32,
             d: evaluate_plane(&d, one, two) as f32,
             n_step: (n[1] * self.a[1] + n[2] * self.a[2]) as f32,
@@ -160,7 +177,7 @@ impl Run {
     pub fn lanes_from(&self, done: usize, count: Ints) -> (Ints, F32s, F32s) {
         let along = count + Ints::splat(done as i32);
         let covered = Ints::splat(self.count as i32 - 1) - along;
-        let along = along.floats();
+        let along = (along + Ints::splat(self.from_anchor)).floats();
         let n = along.times_plus(F32s::splat(self.n_step), F32s::splat(self.n));
         let d = along.times_plus(F32s::splat(self.d_step), F32s::splat(self.d));
         (covered, n, d)
@@ -175,18 +192,23 @@ fn evaluate_plane(plane: &Plane, one: f64, two: f64) -> f64 {
 
 /// Draws the rows of a triangle that are in a band.
 #[inline(always)]
-pub(super) fn draw<R: DepthTest>(rule: R, large: &LargeTriangle, band: &mut Band) {
+pub(super) fn draw<R: DepthTest, Ids: TriangleIds>(rule: R, large: &LargeTriangle, band: &mut Band<Ids>) {
     let first = (large.rows[0] as usize).max(band.first);
     let end = (large.rows[1] as usize + 1).min(band.end);
+    let triangle = rule.triangle(large.id);
     for row in first..end {
         let Some(run) = large.run(row) else { continue };
-        let in_row = rule.row_factor(row);
+        let in_row = rule.row(triangle, row);
         let at = (row - band.first) * band.stride + run.first;
         let mut done = 0;
         while done < run.count {
             let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return };
             let (covered, n, d) = run.lanes_from(done, band.lane_indices);
-            *texels = rule.updated_depths(covered, n, d, in_row, F32s(*texels)).0;
+            let before = F32s(*texels);
+            let columns = band.lane_indices + Ints::splat((run.first + done) as i32);
+            let after = rule.updated_depths(covered, n, d, in_row, columns, before);
+            *texels = after.0;
+            band.ids.note(at + done, before, after, large.id);
             done += LANES;
         }
     }

@@ -1,4 +1,7 @@
 //! Projection of positions to texels of a face: of 16 corners at once, and of one alone, to the same bits.
+#![expect(clippy::cast_possible_wrap, reason = "positions on a map are far below 2^31")]
+
+use std::ops::RangeInclusive;
 
 use glam::Mat3;
 use light::Lanes;
@@ -10,24 +13,32 @@ use super::{DepthRule, MapFace, RasterTriangle};
 
 /// Texels from the middle of a face to the end of the guard band, at which triangles are clipped.
 const GUARD_TEXELS: f32 = 8192.0;
+/// Number of rows of a map that one thread draws at once. Those of a map 2048 texels wide take half a megabyte, which
+/// stays in a near cache.
+const ROWS_PER_BAND_OF_MAP: usize = 64;
 /// Least w of a drawn position. A position with a smaller w is as good as at the source. Quotients by a w that is not
 /// smaller stay within f32.
 const MIN_W: f32 = 1e-30;
 /// Offset for rounding a float of at most 2^22: the sum has the nearest integer in its last bits.
 const ROUND: f32 = 12_582_912.0;
 
-/// Transform from positions to a face's texels and to the interpolated numbers.
+/// Transform from positions to the texels of a face or a picture, and to the interpolated numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projection {
     clip_from_map: Mat3,
-    pub side: usize,
+    /// Width and height of the part that is drawn, in texels.
+    pub size: [usize; 2],
+    /// Number of rows that one thread draws at once.
+    pub rows_per_band: usize,
     /// Least w. Smaller ones are clipped.
     pub least_w: f32,
-    /// End of the guard band, as a value of |x| / w and |y| / w.
-    pub guard: f32,
-    /// Scale and shift from x / w and -y / w to 1/256 of a texel from the center of the first.
-    scale: f32,
-    shift: f32,
+    /// End of the guard band, as values of |x| / w and |y| / w.
+    pub guard: [f32; 2],
+    /// Scale and shift from x / w and -y / w to 1/256 of a texel from the center of the first one of the whole.
+    scale: [f32; 2],
+    shift: [f32; 2],
+    /// Place of the drawn part's first texel in the whole, in 1/256 of a texel.
+    offset: [i32; 2],
     /// Near plane if N is `near / w`; `None` if N is value / w.
     near: Option<f32>,
 }
@@ -40,13 +51,38 @@ impl Projection {
         };
         Self {
             clip_from_map: face.clip_from_map,
-            side,
             least_w: near.unwrap_or(MIN_W),
-            guard: GUARD_TEXELS / (0.5 * side as f32),
-            scale: 128.0 * side as f32,
-            shift: 128.0 * side as f32 - 128.0,
             near,
+            ..Self::part_of([side; 2], [0, 0], [side; 2], ROWS_PER_BAND_OF_MAP)
         }
+    }
+
+    /// Makes the projection of clip coordinates (x, y, w) to a part of a picture of `whole` texels: that of `size` texels
+    /// from `first` on. N is value / w. The part has the bits of the whole.
+    pub fn part_of(whole: [usize; 2], first: [usize; 2], size: [usize; 2], rows_per_band: usize) -> Self {
+        let half = whole.map(|side| 0.5 * side as f32);
+        Self {
+            clip_from_map: Mat3::IDENTITY,
+            size,
+            rows_per_band,
+            least_w: MIN_W,
+            guard: half.map(|half| GUARD_TEXELS / half),
+            scale: half.map(|half| 256.0 * half),
+            shift: half.map(|half| 256.0 * half - 128.0),
+            offset: first.map(|texels| 256 * texels as i32),
+            near: None,
+        }
+    }
+
+    /// Returns the number of bands.
+    pub fn band_count(&self) -> usize {
+        self.size[1].div_ceil(self.rows_per_band)
+    }
+
+    /// Returns the first and the last band that hold these rows.
+    pub fn bands_of(&self, rows: [i32; 2]) -> RangeInclusive<usize> {
+        let [first, last] = rows.map(|row| row as usize / self.rows_per_band);
+        first..=last
     }
 
     /// Transforms a corner to clip coordinates.
@@ -62,12 +98,12 @@ impl Projection {
     /// Projects a corner with w > 0 in the guard band.
     pub fn corner(&self, [x, y, w, value]: ClipCorner<4>) -> Corner {
         let d = w.recip();
-        let rounded = |ratio: f32| {
-            let most = (GUARD_TEXELS + 0.5 * self.side as f32) * 256.0;
-            let coordinate = ratio.mul_add(self.scale, self.shift).clamp(-most, most);
-            (coordinate + ROUND).to_bits().cast_signed() - ROUND.to_bits().cast_signed()
+        let rounded = |ratio: f32, axis: usize| {
+            let most = GUARD_TEXELS * 256.0 + self.scale[axis];
+            let coordinate = ratio.mul_add(self.scale[axis], self.shift[axis]).clamp(-most, most);
+            (coordinate + ROUND).to_bits().cast_signed() - ROUND.to_bits().cast_signed() - self.offset[axis]
         };
-        Corner { at: [rounded(x * d), rounded(-(y * d))], n: self.near.unwrap_or(value) * d, d }
+        Corner { at: [rounded(x * d, 0), rounded(-(y * d), 1)], n: self.near.unwrap_or(value) * d, d }
     }
 }
 
@@ -106,10 +142,10 @@ pub(super) fn project(position: &[F32s; 4], projection: &Projection) -> Corners 
         position[3],
     ];
     let d = F32s::splat(1.0) / clip[2];
-    let (scale, shift) = (F32s::splat(projection.scale), F32s::splat(projection.shift));
-    let right = (clip[0] * d).times_plus(scale, shift);
-    let down = (clip[1] * d).times_plus(F32s::splat(-projection.scale), shift);
-    let at = [rounded(right), rounded(down)];
+    let Projection { scale, shift, offset, .. } = projection;
+    let right = (clip[0] * d).times_plus(F32s::splat(scale[0]), F32s::splat(shift[0]));
+    let down = (clip[1] * d).times_plus(F32s::splat(-scale[1]), F32s::splat(shift[1]));
+    let at = [rounded(right) - Ints::splat(offset[0]), rounded(down) - Ints::splat(offset[1])];
     let n = match projection.near {
         Some(near) => F32s::splat(near) * d,
         None => position[3] * d,
@@ -132,6 +168,6 @@ fn rounded(x: F32s) -> Ints {
 #[inline(always)]
 pub(super) fn is_inside(corners: &Corners, projection: &Projection) -> Ints {
     let [x, y, w, _] = corners.clip;
-    let reach = w * F32s::splat(projection.guard);
-    F32s::splat(projection.least_w).at_most(w) | x.abs().at_most(reach) | y.abs().at_most(reach)
+    let [right, down] = projection.guard.map(|guard| w * F32s::splat(guard));
+    F32s::splat(projection.least_w).at_most(w) | x.abs().at_most(right) | y.abs().at_most(down)
 }

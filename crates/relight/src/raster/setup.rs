@@ -3,12 +3,12 @@
 
 use pulp::{Simd, WithSimd};
 
+use super::RasterTriangle;
 use super::clip::{ClipCorner, Polygon};
-use super::large::{Corner, LargeTriangle};
+use super::large::{Corner, LargeTriangle, is_clockwise};
 use super::project::{Corners, Projection, is_inside, project, transpose_corners};
 use super::small::{MAX_SMALL_TEXELS, SmallTriangle};
 use super::wide::{F32s, Ints, LANE_INDICES, LANES};
-use super::{BAND, RasterTriangle};
 
 /// Piece of a face's opaque triangles after set-up, sorted by the bands that they touch.
 #[derive(Debug, Default)]
@@ -20,11 +20,73 @@ pub(super) struct OpaquePiece {
     pub large_by_band: Vec<Vec<u32>>,
 }
 
-/// Task that sets up a slice of triangles.
+/// Task that sets up some triangles.
 pub(super) struct SetUp<'a> {
     pub piece: &'a mut OpaquePiece,
-    pub triangles: &'a [RasterTriangle],
+    pub triangles: Triangles<'a>,
     pub projection: &'a Projection,
+}
+
+/// Triangles to set up.
+pub(super) enum Triangles<'a> {
+    /// Triangles of a map, drawn from both sides.
+    Listed(&'a [RasterTriangle]),
+    /// Triangles of a picture.
+    Indexed {
+        clip_positions: &'a [[f32; 4]],
+        /// Three per triangle.
+        indices: &'a [u32],
+        /// Index of the first one.
+        first: usize,
+        /// One bit per triangle of the scene; see [`super::VisibleTriangles`].
+        both_sides: &'a [u32],
+    },
+}
+
+/// Up to sixteen triangles.
+struct Group {
+    triangles: [RasterTriangle; LANES],
+    count: usize,
+    /// Number of the first one; the others follow.
+    first_id: u32,
+    /// Condition that holds in lanes whose triangles are drawn from both sides, not only where they are
+    /// counter-clockwise.
+    both_sides: Ints,
+}
+
+impl Triangles<'_> {
+    fn count(&self) -> usize {
+        match self {
+            Self::Listed(triangles) => triangles.len(),
+            Self::Indexed { indices, .. } => indices.len() / 3,
+        }
+    }
+
+    /// Copies the triangles from `from` on into a group. It has no arithmetic, so one copy serves every processor.
+    #[inline(never)]
+    fn fetch(&self, from: usize, group: &mut Group) {
+        group.count = (self.count() - from).min(LANES);
+        match *self {
+            Self::Listed(triangles) => {
+                group.triangles[..group.count].copy_from_slice(&triangles[from..from + group.count]);
+            }
+            Self::Indexed { clip_positions, indices, first, both_sides } => {
+                let corners = indices.as_chunks::<3>().0[from..from + group.count].iter();
+                for (lane, corners) in corners.enumerate() {
+                    group.triangles[lane] = corners.map(|corner| clip_positions[corner as usize]);
+                    let has_both = has_both_sides(both_sides, first + from + lane);
+                    group.both_sides.0[lane] = if has_both { 0 } else { -1 };
+                }
+                // An id is the index + 1.
+                group.first_id = (first + from) as u32 + 1;
+            }
+        }
+    }
+}
+
+/// True if a triangle is seen from both sides.
+pub(super) fn has_both_sides(both_sides: &[u32], triangle: usize) -> bool {
+    both_sides[triangle / 32] >> (triangle % 32) & 1 != 0
 }
 
 impl WithSimd for SetUp<'_> {
@@ -33,18 +95,13 @@ impl WithSimd for SetUp<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
         let Self { piece, triangles, projection } = self;
-        piece.clear(projection.side.div_ceil(BAND));
+        piece.clear(projection.band_count());
+        let triangles_at_zero = [[[0.0; 4]; 3]; LANES];
+        let mut group = Group { triangles: triangles_at_zero, count: 0, first_id: 0, both_sides: Ints::ZERO };
         let mut done = 0;
-        while done < triangles.len() {
-            let rest = &triangles[done..];
-            let mut group = [[[0.0; 4]; 3]; LANES];
-            let whole = if let Some(whole) = rest.first_chunk() {
-                whole
-            } else {
-                group[..rest.len()].copy_from_slice(rest);
-                &group
-            };
-            set_up_group(piece, whole, rest.len().min(LANES), projection);
+        while done < triangles.count() {
+            triangles.fetch(done, &mut group);
+            set_up_group(piece, &group, projection);
             done += LANES;
         }
     }
@@ -59,21 +116,22 @@ impl OpaquePiece {
         self.large_by_band.iter_mut().for_each(Vec::clear);
     }
 
-    fn add_large(&mut self, large: LargeTriangle) {
-        let [first, last] = large.rows.map(|row| row as usize / BAND);
-        for band in first..=last {
+    fn add_large(&mut self, corners: [Corner; 3], id: u32, both_sides: bool, projection: &Projection) {
+        if !both_sides && is_clockwise(&corners) {
+            return;
+        }
+        let Some(mut large) = LargeTriangle::new(corners, projection.size) else { return };
+        large.id = id;
+        for band in projection.bands_of(large.rows) {
             self.large_by_band[band].push(self.large.len() as u32);
         }
         self.large.push(large);
     }
 
-    fn add_cut(&mut self, triangle: [ClipCorner<4>; 3], projection: &Projection) {
+    fn add_cut(&mut self, triangle: [ClipCorner<4>; 3], id: u32, both_sides: bool, projection: &Projection) {
         let polygon = Polygon::clip(triangle, projection.least_w, projection.guard);
         for corners in polygon.triangles() {
-            let corners = corners.map(|corner| projection.corner(corner));
-            if let Some(large) = LargeTriangle::new(corners, projection.side) {
-                self.add_large(large);
-            }
+            self.add_large(corners.map(|corner| projection.corner(corner)), id, both_sides, projection);
         }
     }
 }
@@ -88,52 +146,56 @@ fn span(p: Ints, q: Ints, r: Ints, side: usize) -> ([Ints; 2], Ints) {
     ([first, last], Ints::splat(256 * MAX_SMALL_TEXELS) - (most - least))
 }
 
+/// Sets up triangles, and adds those that may cover a texel to a piece.
 #[inline(always)]
-fn set_up_group(piece: &mut OpaquePiece, group: &[RasterTriangle; LANES], count: usize, projection: &Projection) {
-    let [a, b, c] = transpose_corners(group);
+fn set_up_group(piece: &mut OpaquePiece, group: &Group, projection: &Projection) {
+    let Group { ref triangles, count, first_id, both_sides } = *group;
+    let [a, b, c] = transpose_corners(triangles);
     let corners = [project(&a, projection), project(&b, projection), project(&c, projection)];
     let is_whole = is_inside(&corners[0], projection)
         | is_inside(&corners[1], projection)
         | is_inside(&corners[2], projection)
         | (Ints::splat(count as i32 - 1) - LANE_INDICES);
     let [p, q, r] = [corners[0].at, corners[1].at, corners[2].at];
-    let (columns, is_narrow) = span(p[0], q[0], r[0], projection.side);
-    let (rows, is_low) = span(p[1], q[1], r[1], projection.side);
+    let (columns, is_narrow) = span(p[0], q[0], r[0], projection.size[0]);
+    let (rows, is_low) = span(p[1], q[1], r[1], projection.size[1]);
     let is_seen = (columns[1] - columns[0]) | (rows[1] - rows[0]);
-    let (smalls, covers) = small_ones(&corners, columns, rows);
-    let is_drawn = is_whole | is_seen | is_narrow | is_low | covers;
+    let (smalls, covers, is_counter_clockwise) = small_ones(&corners, columns, rows);
+    let smalls = SmallTriangle { id: first_id, ..smalls };
+    let shows_side = both_sides.select(Ints::ZERO, is_counter_clockwise);
+    let is_drawn = is_whole | is_seen | is_narrow | is_low | covers | shows_side;
     for lane in 0..count {
         if is_drawn.0[lane] >= 0 {
             let small = smalls.lane(lane);
-            let (first, last) = (small.rows[0] as usize / BAND, small.rows[1] as usize / BAND);
-            for band in first..=last {
+            for band in projection.bands_of(small.rows) {
                 piece.small_by_band[band].push(small);
             }
         } else if is_whole.0[lane] < 0 {
-            piece.add_cut(corners.map(|corner| corner.clip.map(|x| x.0[lane])), projection);
+            let corners = corners.map(|corner| corner.clip.map(|x| x.0[lane]));
+            piece.add_cut(corners, first_id + lane as u32, both_sides.0[lane] >= 0, projection);
         } else if is_seen.0[lane] >= 0 && (is_narrow.0[lane] < 0 || is_low.0[lane] < 0) {
             let corners = corners.map(|corner| Corner {
                 at: corner.at.map(|x| x.0[lane]),
                 n: corner.n.0[lane],
                 d: corner.d.0[lane],
             });
-            if let Some(large) = LargeTriangle::new(corners, projection.side) {
-                piece.add_large(large);
-            }
+            piece.add_large(corners, first_id + lane as u32, both_sides.0[lane] >= 0, projection);
         }
     }
 }
 
 /// Sets up sixteen triangles as small ones. `columns` and `rows` are the first and last texel centers in their bounding
-/// boxes. Also returns a condition that holds in lanes whose triangle may cover a texel.
+/// boxes. Also returns a condition that holds in lanes whose triangle may cover a texel, and one that holds in lanes with
+/// counter-clockwise triangles.
 #[inline(always)]
-fn small_ones(corners: &[Corners; 3], columns: [Ints; 2], rows: [Ints; 2]) -> (SmallTriangle<Ints, F32s>, Ints) {
+fn small_ones(corners: &[Corners; 3], columns: [Ints; 2], rows: [Ints; 2]) -> (SmallTriangle<Ints, F32s>, Ints, Ints) {
     let [p, q, r] = [corners[0].at, corners[1].at, corners[2].at];
     let area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
     let origin = [columns[0] * Ints::splat(256), rows[0] * Ints::splat(256)];
     let first = edges(q, r, area, origin);
     let second = edges(r, p, area, origin);
     let third = edges(p, q, area, origin);
+    let is_counter_clockwise = -area;
     let area = area.select(area, -area);
     let per_area = F32s::splat(1.0) / area.floats();
     let rests = [second.rest, third.rest];
@@ -145,11 +207,12 @@ fn small_ones(corners: &[Corners; 3], columns: [Ints; 2], rows: [Ints; 2]) -> (S
         b: [first.b, second.b, third.b],
         n: plane(corners[0].n, corners[1].n, corners[2].n, per_area, rests),
         d: plane(corners[0].d, corners[1].d, corners[2].d, per_area, rests),
+        id: 0,
     };
     // For many tiny triangles only one texel is in question, and one test answers it.
     let more = (columns[1] - columns[0]) + (rows[1] - rows[0]) - Ints::splat(1);
     let has_first = first.e | second.e | third.e;
-    (smalls, (area - Ints::splat(1)) | more.select(more, has_first))
+    (smalls, (area - Ints::splat(1)) | more.select(more, has_first), is_counter_clockwise)
 }
 
 /// Edge functions like those of `SmallTriangle`. `rest` is the value at the first texel center before the division by

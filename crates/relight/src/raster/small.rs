@@ -3,6 +3,7 @@
 #![expect(clippy::cast_possible_wrap, reason = "positions on a map are far below 2^31")]
 
 use super::Band;
+use super::ids::TriangleIds;
 use super::rule::DepthTest;
 use super::wide::{F32s, Ints, LANES};
 
@@ -24,13 +25,15 @@ pub(super) struct SmallTriangle<Int = i32, Float = f32> {
     /// N is `n[0]`, plus `n[1]` and `n[2]` times the edge functions of the second and the third corner; D likewise.
     pub n: [Float; 3],
     pub d: [Float; 3],
+    /// Number of the first lane's triangle; see [`TriangleIds`].
+    pub id: u32,
 }
 
 impl SmallTriangle<Ints, F32s> {
     /// Returns the triangle in one lane.
     #[inline(always)]
     pub fn lane(&self, k: usize) -> SmallTriangle {
-        let Self { columns, rows, e, a, b, n, d } = self;
+        let Self { columns, rows, e, a, b, n, d, id } = self;
         SmallTriangle {
             columns: [columns[0].0[k], columns[1].0[k]],
             rows: [rows[0].0[k], rows[1].0[k]],
@@ -39,13 +42,14 @@ impl SmallTriangle<Ints, F32s> {
             b: [b[0].0[k], b[1].0[k], b[2].0[k]],
             n: [n[0].0[k], n[1].0[k], n[2].0[k]],
             d: [d[0].0[k], d[1].0[k], d[2].0[k]],
+            id: id + k as u32,
         }
     }
 }
 
 /// Draws the rows of a triangle that are in a band.
 #[inline(always)]
-pub(super) fn draw<R: DepthTest>(rule: R, small: &SmallTriangle, band: &mut Band) {
+pub(super) fn draw<R: DepthTest, Ids: TriangleIds>(rule: R, small: &SmallTriangle, band: &mut Band<Ids>) {
     let [left, right] = [small.columns[0] as usize, small.columns[1] as usize];
     let top = small.rows[0] as usize;
     let first = top.max(band.first);
@@ -57,9 +61,11 @@ pub(super) fn draw<R: DepthTest>(rule: R, small: &SmallTriangle, band: &mut Band
     let second_edge = Edge::new(small, 1, down);
     let third_edge = Edge::new(small, 2, down);
     let last_row = (end as i32 - 1) - first as i32;
+    let triangle = rule.triangle(small.id);
     let mut column = left;
     while column <= right {
         let across = (column - left) as i32;
+        let columns = band.lane_indices + Ints::splat(column as i32);
         let mut at = (first - band.first) * band.stride + column;
         column += LANES;
         let most = first_edge.max_over_rows(across, last_row)
@@ -77,7 +83,10 @@ pub(super) fn draw<R: DepthTest>(rule: R, small: &SmallTriangle, band: &mut Band
             let (one, two) = (second_e.floats(), third_e.floats());
             let n = two.times_plus(n[2], one.times_plus(n[1], n[0]));
             let d = two.times_plus(d[2], one.times_plus(d[1], d[0]));
-            *texels = rule.updated_depths(covered, n, d, rule.row_factor(row), F32s(*texels)).0;
+            let before = F32s(*texels);
+            let after = rule.updated_depths(covered, n, d, rule.row(triangle, row), columns, before);
+            *texels = after.0;
+            band.ids.note(at, before, after, small.id);
             first_e = first_e + Ints::splat(first_edge.b);
             second_e = second_e + Ints::splat(second_edge.b);
             third_e = third_e + Ints::splat(third_edge.b);

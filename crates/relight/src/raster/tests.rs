@@ -6,6 +6,7 @@ mod cut;
 mod depths;
 mod holes;
 mod oracle;
+mod visibility;
 mod whole_maps;
 
 use std::sync::OnceLock;

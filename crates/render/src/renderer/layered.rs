@@ -72,7 +72,7 @@ impl Renderer {
         let drawing = CheckedPicture::new(&View { aov: Aov::Beauty, ..view.clone() }, lights)?;
         self.run_or_discard(view.slot, |renderer, gpu| {
             gpu.memory.begin_picture();
-            let mut targets = renderer.viewers.take(gpu, &renderer.passes, &drawing.view)?;
+            let mut targets = renderer.viewers.take(gpu, &drawing.view)?;
             let bytes = match gpu.backend() {
                 Backend::Native => renderer.draw_natively(gpu, &mut targets, &drawing, pause)?,
                 Backend::Wgpu => loop {

@@ -1,4 +1,4 @@
-//! Pictures of beauty and visibility on the native backend. The device draws only the G-buffer.
+//! Pictures of beauty and visibility on the native backend.
 
 use std::task::Poll;
 
@@ -17,8 +17,8 @@ use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, display, gpu_structs};
 
 impl Renderer {
-    /// Unpacks the surfaces of `tile` for the sample with that index. Returns the camera uniform. Pending
-    /// if the picture pauses after the device has drawn the G-buffer.
+    /// Draws the surfaces of `tile` for the sample with that index, unless they are there. Returns the camera uniform.
+    /// Pending if the picture pauses after they were drawn.
     fn prepare_surfaces(
         &mut self,
         gpu: &Gpu,
@@ -29,25 +29,18 @@ impl Renderer {
         pause: Option<Pause>,
     ) -> Result<Poll<gpu_structs::View>, RenderError> {
         let CheckedPicture { view, raster, samples, .. } = drawing;
-        let Self { passes, scene, pass_runs: ran, view_uniform, .. } = self;
+        let Self { passes, scene, native_surfaces, pass_runs: ran, .. } = self;
         let (offset, weight) = (sample_offset(sample, *samples), 1.0 / *samples as f32);
         let context = DrawContext { gpu, passes, scene, raster, tile };
         let origin = scene.posed.origin_in_world;
         let uniform = raster.uniform(offset, weight, view.fill, origin, [tile.x, tile.y])?;
-        gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
-        let mut encoder = gpu.encoder();
-        if let Some(cause) = targets.draw_gbuffer(&context, &mut encoder, offset)? {
+        let key = context.gbuffer_key(offset);
+        if let Some(cause) = targets.native.draw_surfaces(&context, native_surfaces, key, &uniform)? {
             ran.note(Pass::Gbuffer, None, cause);
-            gpu.end_stage(&mut encoder, FrameStage::Gbuffer)?;
-            gpu.queue.submit([encoder.finish()]);
-            if let Some(pause) = pause {
-                gpu.wait()?;
-                if pause(DrawnPiece::Pixels) {
-                    return Ok(Poll::Pending);
-                }
+            if pause.is_some_and(|pause| pause(DrawnPiece::Pixels)) {
+                return Ok(Poll::Pending);
             }
         }
-        targets.prepare_surfaces(&context, &uniform)?;
         Ok(Poll::Ready(uniform))
     }
 
@@ -63,15 +56,8 @@ impl Renderer {
         let lights = self.straightened_lights(view.aov, &drawing.lights);
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
         self.shadow_maps.begin(view.slot, &lights, self.scene.revision);
-        let sees = targets.native.has_surfaces();
         let seen = self.prepare_surfaces(gpu, targets, drawing, tile, 0, pause)?;
         let Poll::Ready(uniform) = seen else { return Ok(Poll::Pending) };
-        if let Some(pause) = pause
-            && !sees
-            && pause(DrawnPiece::Pixels)
-        {
-            return Ok(Poll::Pending);
-        }
         let Self { passes, scene, shadow_maps, pass_runs: ran, .. } = self;
         let (shadow_map, size) = (view.shadow_map, targets.size);
         let context = DrawContext { gpu, passes, scene, raster, tile };

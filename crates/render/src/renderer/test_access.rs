@@ -4,11 +4,11 @@ use scene::View;
 use shadow::MapShape;
 
 use super::Renderer;
+use crate::Gpu;
 use crate::bendy_light::BentMapBuffers;
 use crate::coarse_casters::CoarseCasters;
 use crate::gpu_scene::GpuScene;
 use crate::targets::Targets;
-use crate::{Gpu, ViewSlot};
 
 impl Renderer {
     pub(crate) fn bent_buffers(&mut self) -> &mut BentMapBuffers {
@@ -33,10 +33,6 @@ impl Renderer {
     }
 
     pub(crate) fn take_targets(&mut self, view: &View) -> Targets {
-        self.viewers.take(&self.gpu, &self.passes, view).expect("it is small")
-    }
-
-    pub(crate) fn put_targets(&mut self, targets: Targets) {
-        self.viewers.put(&self.gpu, ViewSlot::default(), targets);
+        self.viewers.take(&self.gpu, view).expect("it is small")
     }
 }
