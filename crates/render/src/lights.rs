@@ -253,19 +253,21 @@ impl ShadowMaps {
             None => MapSlot { size, is_bent, storage: painter.storage(size), shown: None },
         };
         let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
+        let is_shadowed = light.light_profile().shadow_enable;
         let kept = slot.shown.take().filter(|(kept, _)| *kept == key);
-        let drawn = kept.is_none() && light.light_profile().shadow_enable;
+        let drawn = kept.is_none() && is_shadowed;
+        let mut casting = scene.all_casters();
         let fit = if let Some((_, fit)) = kept {
             fit
         } else {
-            let mut casting = caster_set(gpu, scene, linked.as_deref(), shadows.mesh_error)?;
-            // Casters that are reduced by links or already simplified are used unchanged.
-            let is_coarse = shadow_map != MapScale::Full && is_bent;
-            let coarse = if is_coarse && linked.is_none() && shadows.mesh_error == 0.0 {
-                self.coarse.get(gpu, scene)?
-            } else {
-                None
-            };
+            let (mut coarse, is_coarse) = (None, shadow_map != MapScale::Full && is_bent);
+            if is_shadowed {
+                casting = caster_set(gpu, scene, linked.as_deref(), shadows.mesh_error)?;
+                // Casters that are reduced by links or already simplified are used unchanged.
+                if is_coarse && linked.is_none() && shadows.mesh_error == 0.0 {
+                    coarse = self.coarse.get(gpu, scene)?;
+                }
+            }
             let coarse_clusters = coarse
                 .map(|coarse| CoarseClusters { clusters: &coarse.casters.clusters, mesh_error: coarse.mesh_error });
             let clusters = &casting.casters.clusters;
@@ -273,15 +275,15 @@ impl ShadowMaps {
             if let Some(coarse) = coarse.filter(|_| is_coarse) {
                 casting.casters = &coarse.casters;
             }
-            if drawn {
-                let placed = PlacedLight::new(light, &scene.posed, &fit, &shadows);
-                let source = MapSource { scene, linked: linked.as_deref(), casting, shadows: &shadows };
-                let builders = MapBuilders { bent_buffers: &mut self.bent_buffers, native: &mut self.native };
-                painter.draw(&mut slot.storage, &placed, &source, builders)?;
-            }
             fit
         };
-        let light = painter.light(&slot.storage, PlacedLight::new(light, &scene.posed, &fit, &shadows));
+        let placed = PlacedLight::new(light, &scene.posed, &fit, &shadows);
+        if drawn {
+            let source = MapSource { scene, linked: linked.as_deref(), casting, shadows: &shadows };
+            let builders = MapBuilders { bent_buffers: &mut self.bent_buffers, native: &mut self.native };
+            painter.draw(&mut slot.storage, &placed, &source, builders)?;
+        }
+        let light = painter.light(&slot.storage, placed);
         slot.shown = Some((key, fit));
         let last = (instance.id, P::BACKEND);
         let shadow_map_cause = drawn.then(|| match self.drawn.insert(last, (key, size)) {

@@ -142,6 +142,10 @@ impl Textures<'_> {
             let chain = self.gpu.run_in_background(|| mip_chain((width, height), rgba8, encoding, format))?;
             let view = upload(self.gpu, width, height, &chain)?;
             self.bytes += chain.bytes.len() as u64;
+            let (of_processor, image) = (host_format(encoding), texture.map(|texture| texture.image));
+            if let Some(image) = image.filter(|_| chain.format == of_processor) {
+                self.add_host_texture(image, encoding, [width, height], &chain);
+            }
             self.uploaded.insert(key, view.clone());
             view
         };
@@ -175,26 +179,16 @@ impl Textures<'_> {
         texture: Option<TextureRef>,
         encoding: Encoding,
     ) -> Result<Option<SampledTexture>, RenderError> {
-        let (Some(TextureRef { image, sampler }), Some(host)) = (texture, &mut self.host) else { return Ok(None) };
-        let index = if let Some(known) = self.in_host.get(&(image, encoding)) {
-            *known
-        } else {
+        let Some(TextureRef { image, sampler }) = texture else { return Ok(None) };
+        if !self.in_host.contains_key(&(image, encoding)) {
+            // The device has the texture in another format.
             let picture = &self.scene.images[image];
             let size = [picture.width, picture.height];
-            let format = match encoding {
-                Encoding::Linear => TextureFormat::Rgba8Unorm,
-                Encoding::Srgb => TextureFormat::Rgba16Unorm,
-            };
-            let make = || mip_chain((picture.width, picture.height), &picture.rgba8, encoding, format);
-            let MipChain { bytes, .. } = self.gpu.run_in_background(make)?;
-            let texels = match encoding {
-                Encoding::Linear => Texels::Unorm8(bytemuck::pod_collect_to_vec(&bytes)),
-                Encoding::Srgb => Texels::Unorm16(bytemuck::pod_collect_to_vec(&bytes)),
-            };
-            host.textures.push(Texture::new(size, texels));
-            self.in_host.insert((image, encoding), host.textures.len() - 1);
-            host.textures.len() - 1
-        };
+            let make = || mip_chain(size.into(), &picture.rgba8, encoding, host_format(encoding));
+            let chain = self.gpu.run_in_background(make)?;
+            self.add_host_texture(image, encoding, size, &chain);
+        }
+        let index = self.in_host[&(image, encoding)];
         let Sampler { wrap_u, wrap_v, nearest } = sampler;
         let [wrap_u, wrap_v] = [wrap_u, wrap_v].map(|wrap| match wrap {
             Wrap::Repeat => TexelWrap::Repeat,
@@ -202,6 +196,17 @@ impl Textures<'_> {
             Wrap::ClampToEdge => TexelWrap::ClampToEdge,
         });
         Ok(Some(SampledTexture { texture: index, wrap_u, wrap_v, nearest }))
+    }
+
+    /// Adds a texture in the format of [`host_format`] to the materials in CPU memory, if there are any.
+    fn add_host_texture(&mut self, image: usize, encoding: Encoding, size: [u32; 2], chain: &MipChain) {
+        let Some(host) = &mut self.host else { return };
+        let texels = match encoding {
+            Encoding::Linear => Texels::Unorm8(bytemuck::pod_collect_to_vec(&chain.bytes)),
+            Encoding::Srgb => Texels::Unorm16(bytemuck::pod_collect_to_vec(&chain.bytes)),
+        };
+        self.in_host.insert((image, encoding), host.textures.len());
+        host.textures.push(Texture::new(size, texels));
     }
 
     fn alpha(&mut self, texture: Option<TextureRef>) -> AlphaPicture {
@@ -215,6 +220,14 @@ impl Textures<'_> {
         self.texels.extend(alpha);
         self.alpha.insert(key, picture);
         picture
+    }
+}
+
+/// Returns the format of an encoding in CPU memory.
+fn host_format(encoding: Encoding) -> TextureFormat {
+    match encoding {
+        Encoding::Linear => TextureFormat::Rgba8Unorm,
+        Encoding::Srgb => TextureFormat::Rgba16Unorm,
     }
 }
 

@@ -10,8 +10,9 @@ use rustix::time::{ClockId, clock_gettime};
 /// Part of the work on a frame whose time is measured by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameStage {
+    /// Finds what pixels show: the G-buffer, or on the native backend the visibility buffer.
     Gbuffer,
-    /// Reads back and unpacks the G-buffer, on the native backend.
+    /// Fetches and interpolates attributes of what pixels show, on the native backend.
     Surfaces,
     /// Fits a bent map, and maps the casters' vertices into the tube.
     Vertices,

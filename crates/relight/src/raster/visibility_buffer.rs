@@ -71,16 +71,6 @@ impl VisibilityBuffer {
         self.size
     }
 
-    /// Returns the size in bytes.
-    pub fn bytes(&self) -> u64 {
-        (size_of_val(&self.z[..]) + size_of_val(&self.triangles[..])) as u64
-    }
-
-    /// Computes the size in bytes for a picture of this size.
-    pub fn bytes_of([width, height]: [u32; 2]) -> u64 {
-        (stride(width as usize) * height as usize * 2 * size_of::<f32>()) as u64
-    }
-
     /// Returns the triangle + 1 and the depth of a pixel; (0, 0) without a triangle.
     #[inline(always)]
     pub(crate) fn at(&self, column: usize, row: usize) -> (u32, f32) {
