@@ -45,7 +45,7 @@ await runBrowserTest(async ({ open, visit, picture }) => {
   await backAndForth(page);
   await aSceneOfOnesOwn(page, picture);
   await nowhere(visit, picture);
-  await whoIsThere(open, page);
+  await whoIsThere(open, page, picture);
   await aStrangersLink(visit, page);
   await picturesComeOnce(page);
   await everyScreen(page, picture);
@@ -253,11 +253,12 @@ async function nowhere(visit, picture) {
 }
 
 /** Names of people in a session are on its card, soon after they come and go; nobody deletes it under them. */
-async function whoIsThere(open, page) {
+async function whoIsThere(open, page, picture) {
   const ada = await open("Ada Lovelace");
   const { session } = Object.fromEntries(new URLSearchParams(new URL(ada.url()).hash.slice(1)));
   const people = page.locator(`[data-session="${session}"] .card-people`);
   await people.getByText("Ada Lovelace").waitFor();
+  await picture(page, "6-who-is-there");
   await api("PATCH", `/sessions/${session}`, { title: "Ada's shot" });
   await ada.locator(".session-name").getByText("Ada's shot").waitFor();
   await api("PATCH", `/sessions/${session}`, { archived: true });

@@ -35,16 +35,19 @@ export function Card({ session, children }: CardProps) {
         class="card-link"
         ref={link}
         href={addressOf(name)}
-        aria-label={[title, changed, who && `${who} in it`].filter(Boolean).join(", ")}
+        aria-label={[title, who && `${who} in it`, changed].filter(Boolean).join(", ")}
       >
         <Picture session={session} />
-        {who !== "" && (
-          <span class="card-people" title={people.join(", ")}>
-            <span class="dot" />
-            <span class="clipped">{who}</span>
-          </span>
-        )}
         {!isRenamed && <ClippedName name={title} of={name} />}
+        {who !== "" && (
+          <>
+            {/* The link's accessible name has the words that are seen, in their order. */}{" "}
+            <span class="card-people" title={people.join(", ")}>
+              <span class="dot" />
+              <span class="clipped">{who}</span>
+            </span>
+          </>
+        )}
       </a>
       {isRenamed && <Title session={session} />}
       <p class="card-changed clipped" title={changed}>
