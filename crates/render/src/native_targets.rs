@@ -175,35 +175,45 @@ impl NativeTargets {
         Ok(())
     }
 
-    /// Writes the visibility of the light in `ready` as radiance, with tile and pixels as in [`Self::add_light`].
-    pub fn draw_visibility(
+    /// Adds one sample of the visibility of the light in `ready`, times `weight`, to the radiance. The first sample
+    /// replaces the radiance. Tile and pixels are as in [`Self::add_light`].
+    pub fn add_visibility(
         &mut self,
         &DrawContext { gpu, scene, tile, .. }: &DrawContext,
         ready: Option<&ReadyLight<NativeLight>>,
+        is_first: bool,
+        weight: f32,
     ) -> Result<(), RenderError> {
+        self.begin_radiance(is_first);
+        let Some(ready) = ready else { return Ok(()) };
         let surfaces = expect_surfaces(self.surfaces.as_ref());
-        let [width, height] = surfaces.size().map(|side| side as usize);
-        let Some(ready) = ready else {
-            self.radiance = vec![[0.0; 4]; width * height];
-            return Ok(());
-        };
         let NativeLight { light, map } = &ready.light;
         let scene = caster_scene(scene, ready.linked.as_deref());
         let pixels = tile.clip(ready.pixels);
         let drawn = DrawnLight { light, map: map.as_deref(), pixels };
-        self.radiance = relight::visibility_of(gpu.workers(), surfaces, &scene, drawn)?;
+        let visible = relight::visibility_of(gpu.workers(), surfaces, &scene, drawn)?;
+        for (sum, sample) in self.radiance.iter_mut().zip(visible) {
+            for (sum, sample) in sum.iter_mut().zip(sample) {
+                *sum += weight * sample;
+            }
+        }
         gpu.stages.record_stage(FrameStage::Light);
         Ok(())
     }
 
-    /// Adds the current sample and the fill, times `weight`, to the radiance. The first sample replaces the radiance.
-    pub fn end_sample(&mut self, gpu: &Gpu, is_first: bool, fill_factor: f32, weight: f32) {
-        let surfaces = expect_surfaces(self.surfaces.as_ref());
-        let [width, height] = surfaces.size().map(|side| side as usize);
+    /// Makes the radiance zero before the first sample.
+    fn begin_radiance(&mut self, is_first: bool) {
         if is_first {
+            let [width, height] = expect_surfaces(self.surfaces.as_ref()).size().map(|side| side as usize);
             self.radiance.clear();
             self.radiance.resize(width * height, [0.0; 4]);
         }
+    }
+
+    /// Adds the current sample and the fill, times `weight`, to the radiance. The first sample replaces the radiance.
+    pub fn end_sample(&mut self, gpu: &Gpu, is_first: bool, fill_factor: f32, weight: f32) {
+        self.begin_radiance(is_first);
+        let surfaces = expect_surfaces(self.surfaces.as_ref());
         let terms = [&self.sample_sum];
         let terms = LayerTerms::Sums(&terms);
         relight::add_sample(gpu.workers(), surfaces, terms, fill_factor, weight, &mut self.radiance);

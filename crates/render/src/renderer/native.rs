@@ -96,8 +96,8 @@ impl Renderer {
         let Poll::Ready(uniform) = seen else { return Ok(false) };
         if view.aov == Aov::Visibility {
             self.draw_visibility(gpu, targets, drawing, tile, &lights[view.light])?;
-            targets.samples_drawn = *samples;
-            return Ok(true);
+            targets.samples_drawn = sample + 1;
+            return Ok(sample + 1 == *samples);
         }
         let Self { passes, scene, shadow_maps, pass_runs: ran, .. } = self;
         let (passes, scene) = (&**passes, &*scene);
@@ -138,6 +138,7 @@ impl Renderer {
         Ok(sample + 1 == *samples)
     }
 
+    /// Adds the next sample of the visibility of `light`.
     fn draw_visibility(
         &mut self,
         gpu: &Gpu,
@@ -146,14 +147,15 @@ impl Renderer {
         tile: Tile,
         light: &LightInstance,
     ) -> Result<(), RenderError> {
-        let CheckedPicture { view, raster, .. } = drawing;
+        let CheckedPicture { view, raster, samples, .. } = drawing;
         let Self { passes, scene, shadow_maps, pass_runs: ran, .. } = self;
         let context = DrawContext { gpu, passes, scene, raster, tile };
         let ready = shadow_maps.ready_light(&mut NativeMaps(gpu), &context, light, view.shadow_map)?;
         if let Some(cause) = ready.as_ref().and_then(|ready| ready.shadow_map_cause) {
             ran.note(Pass::ShadowMap, Some(light.id), cause);
         }
-        targets.native.draw_visibility(&context, ready.as_ref())?;
+        let (is_first, weight) = (targets.samples_drawn == 0, 1.0 / *samples as f32);
+        targets.native.add_visibility(&context, ready.as_ref(), is_first, weight)?;
         ran.note(Pass::Lighting, None, Cause::NotKept);
         Ok(())
     }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use render::{Aov, View};
 use scene::Material;
 
-use crate::support::{BACKENDS, filled, floor, on_plane, picture, renderer_of, scene_of, spot, view};
+use crate::support::{BACKENDS, filled, floor, instances, on_plane, picture, renderer_of, scene_of, spot, view};
 
 /// Returns a white floor from straight above, whose edges cross pixels.
 fn edges(samples: u32) -> View {
@@ -54,6 +54,28 @@ fn only_aovs_that_can_be_averaged_are() {
         let of = |samples| picture(&scene, &View { aov, ..edges(samples) }, &lights);
         assert_eq!(of(1), of(8), "{aov:?}");
     }
-    let visibility = picture(&scene, &View { aov: Aov::Visibility, ..edges(8) }, &lights);
-    assert!(visibility.pixels.iter().any(|p| p[0] > 0.0 && p[0] < 1.0));
+}
+
+/// Visibility is the average of its samples on both backends. They find other surfaces at a few samples that lie on an
+/// edge up to rounding, one in eight of a pixel.
+#[test]
+fn visibility_is_averaged() {
+    let scene = scene_of([floor(1.0, 0.0), floor(0.3, 0.5)], vec![Material::default()]);
+    let lights = instances(&[spot(DVec3::new(0.4, 3.0, 0.0), DVec3::ZERO)]);
+    let of = |backend, samples| {
+        let view = View { aov: Aov::Visibility, ..edges(samples) };
+        renderer_of(backend, &scene).render(&view, &lights).unwrap().pixels
+    };
+    let [wgpu, native] = BACKENDS.map(|backend| of(backend, 8));
+    let apart = |a: &[[f32; 4]], b: &[[f32; 4]]| {
+        let others = a.iter().zip(b).filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-6));
+        others.count()
+    };
+    let at_edges = wgpu.iter().filter(|p| p.iter().any(|x| *x > 0.01 && *x < 0.99)).count();
+    assert!(at_edges > 50 && apart(&wgpu, &native) <= at_edges / 50, "{} of {at_edges}", apart(&wgpu, &native));
+    // Deliberate fault that the check must detect: the first of the samples alone.
+    for backend in BACKENDS {
+        let one = apart(&wgpu, &of(backend, 1));
+        assert!(one > at_edges / 2, "{one} of {at_edges}");
+    }
 }
