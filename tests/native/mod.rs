@@ -1,8 +1,8 @@
 //! Tests that pictures shaded by the CPU equal those of the GPU. All tests are in one binary, so that all comparisons
 //! share one renderer per backend.
 //!
-//! Both start from one G-buffer and draw their own maps. docs/decisions/37-reference-renderer.md lists the code and
-//! data that they share, and so the faults that these tests cannot detect.
+//! Each finds what pixels show by itself and draws its own maps. docs/decisions/37-reference-renderer.md lists the code
+//! and data that they share, and so the faults that these tests cannot detect.
 
 mod bent;
 pub mod both;

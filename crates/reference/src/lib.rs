@@ -14,7 +14,7 @@
 //! # let scene = scene::Scene::default();
 //! # let camera = scene::framing_camera(&light::SceneBounds::default(), 1.0);
 //! let view = scene::View { aov: scene::Aov::Depth, ..scene::View::beauty(camera, [4, 4]) };
-//! let frame = Reference::new(scene::pose(scene.clone())).render(&view, &[], || {})?;
+//! let frame = Reference::new(scene::pose(scene.clone(), 0.0)).render(&view, &[], || {})?;
 //! assert_eq!(frame.pixels[0], [0.0; 4]);
 //! # Ok::<(), reference::ReferenceError>(())
 //! ```

@@ -1,8 +1,8 @@
 //! Relighting on the CPU: shadow maps and light layers in vectorized Rust, on all cores. It is the backend for machines
 //! whose graphics device is a software driver.
 //!
-//! The caller provides a G-buffer ([`Surfaces`]), triangles ([`CasterScene`]), the numbers of a light ([`RelitLight`])
-//! and the memory for results. The crate knows no device and no scene. It computes what the shaders of `render`
+//! The caller provides a camera ([`CameraRays`]), triangles ([`CasterScene`]) with their materials ([`SurfaceScene`]),
+//! the numbers of a light ([`RelitLight`]) and the memory for results. The crate knows no device and no scene. It computes what the shaders of `render`
 //! compute, sixteen numbers at a time, on the generic light model of `light`.
 //!
 //! Begin with `raster.rs` (shadow maps from triangles), `layer.rs` (contribution of a light), `bent/mod.rs`

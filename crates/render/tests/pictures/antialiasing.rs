@@ -56,8 +56,8 @@ fn only_aovs_that_can_be_averaged_are() {
     }
 }
 
-/// Visibility is the average of its samples on both backends. They find other surfaces at a few samples that lie on an
-/// edge up to rounding, one in eight of a pixel.
+/// Visibility is the average of its samples on both backends. Corners that round to the other of two steps move an edge:
+/// a pixel in a hundred, as the tests of native pictures derive.
 #[test]
 fn visibility_is_averaged() {
     let scene = scene_of([floor(1.0, 0.0), floor(0.3, 0.5)], vec![Material::default()]);
@@ -72,7 +72,7 @@ fn visibility_is_averaged() {
         others.count()
     };
     let at_edges = wgpu.iter().filter(|p| p.iter().any(|x| *x > 0.01 && *x < 0.99)).count();
-    assert!(at_edges > 50 && apart(&wgpu, &native) <= at_edges / 50, "{} of {at_edges}", apart(&wgpu, &native));
+    assert!(at_edges > 50 && apart(&wgpu, &native) <= 1 + at_edges / 100, "{} of {at_edges}", apart(&wgpu, &native));
     // Deliberate fault that the check must detect: the first of the samples alone.
     for backend in BACKENDS {
         let one = apart(&wgpu, &of(backend, 1));

@@ -41,7 +41,7 @@ export function Card({ session, children }: CardProps) {
         {!isRenamed && <ClippedName name={title} of={name} />}
         {who !== "" && (
           <>
-            {/* The link's accessible name has the words that are seen, in their order. */}{" "}
+            {/* The text of the link, with a space here, must be words of its accessible name, in order. */}{" "}
             <span class="card-people" title={people.join(", ")}>
               <span class="dot" />
               <span class="clipped">{who}</span>
