@@ -65,6 +65,15 @@ impl ViewedScene {
         renderer.render_display(&self.view, lights).expect("it can be drawn")
     }
 
+    /// Returns the raw values of `view`, by wgpu under the first light and by the native backend under the second.
+    pub fn raw(&self, view: &View, [wgpu, native]: [&Light; 2]) -> [Vec<[f32; 4]>; 2] {
+        self.with(|both| {
+            let of_device = both.wgpu.render(view, &alone(wgpu)).expect("it can be drawn");
+            let of_processor = both.native.render(view, &alone(native)).expect("it can be drawn");
+            [of_device.pixels, of_processor.pixels]
+        })
+    }
+
     /// Marks the pixels beside which another depth or normal begins.
     fn surface_edges(&self, renderer: &mut Renderer) -> Vec<bool> {
         let [depth, normal] = [Aov::Depth, Aov::Normal]

@@ -4,6 +4,7 @@
 //! Each finds what pixels show by itself and draws its own maps. docs/decisions/37-reference-renderer.md lists the code
 //! and data that they share, and so the faults that these tests cannot detect.
 
+mod aovs;
 mod bent;
 pub mod both;
 mod straight;

@@ -16,7 +16,7 @@ use super::both::{SIZE, ViewedScene, assert_same_and_visible, assert_the_same, c
 use crate::boxes::{self, aimed, room, room_view};
 
 /// View of the room of boxes, which is posed once.
-fn in_room() -> ViewedScene {
+pub fn in_room() -> ViewedScene {
     static ROOM: LazyLock<Arc<PosedScene>> = LazyLock::new(|| scene::pose(room(), 0.0));
     let view = View { aov: Aov::Beauty, width: SIZE[0], height: SIZE[1], ..room_view() };
     ViewedScene { scene: Arc::clone(&ROOM), view, shadows: ShadowSettings::default() }
@@ -42,7 +42,7 @@ fn window() -> Light {
 }
 
 /// A light of every shape and kind of map.
-fn shapes() -> [(&'static str, Light); 5] {
+pub fn shapes() -> [(&'static str, Light); 5] {
     [("spot", lamp(35.0)), ("wide spot", lamp(75.0)), ("omni", bulb()), ("sun", sun()), ("window", window())]
 }
 

@@ -50,7 +50,7 @@ pub(crate) struct LayerBlock {
 }
 
 impl LayerBlock {
-    const NOTHING: Self = {
+    pub const NOTHING: Self = {
         let zero = F32s([0.0; LANES]);
         let nothing = Vec3s { x: zero, y: zero, z: zero };
         Self { diffuse: nothing, specular: nothing }
@@ -94,31 +94,25 @@ pub fn draw_layer(
     draw_light(workers, surfaces, scene, light, LayerTarget::Layer(texels))
 }
 
-/// Computes the share of `light` that no caster blocks, 1 for all of it, as in [`draw_layer`]: gray, with alpha 1 where
-/// the light's volume holds the surface, and 0 elsewhere. Rows from the top.
-pub fn visibility_of(
-    workers: &Workers,
-    surfaces: &Surfaces,
-    scene: &CasterScene,
-    light: DrawnLight,
-) -> Result<Vec<[f32; 4]>, Cancelled> {
-    let mut texels = vec![LayerBlock::NOTHING; surfaces.blocks.len()];
-    draw_light(workers, surfaces, scene, light, LayerTarget::Visibility(&mut texels))?;
-    let [width, height] = surfaces.size().map(|side| side as usize);
-    let mut picture = vec![[0.0; 4]; width * height];
-    for (block, texel) in surfaces.blocks.iter().zip(&texels) {
-        for i in 0..LANES {
-            let (x, y) = (block.corner[0] as usize + i % BLOCK_SIDE, block.corner[1] as usize + i / BLOCK_SIDE);
-            if x < width && y < height {
-                let (visible, inside) = (texel.diffuse.x.0[i], texel.specular.x.0[i]);
-                picture[y * width + x] = [visible, visible, visible, inside];
-            }
-        }
-    }
-    Ok(picture)
+/// Work on a light of any shape.
+pub(crate) trait LightVisitor {
+    type Output;
+    fn visit<S: RelitShape>(self, shape: &S) -> Self::Output;
 }
 
-/// Draws `light` as [`draw_layer`] does. `into` has an entry for each block of the surfaces.
+impl RelitLight {
+    /// Does work on the light's shape.
+    pub(crate) fn visit<V: LightVisitor>(&self, visitor: V) -> V::Output {
+        match self {
+            Self::Bent(bent) => visitor.visit(&**bent),
+            Self::Spot(spot) => visitor.visit(&**spot),
+            Self::Omni(omni) => visitor.visit(&**omni),
+            Self::Directional(sun) => visitor.visit(&**sun),
+        }
+    }
+}
+
+/// Draws `light` as [`draw_layer`] does. `onto` has an entry for each block of the surfaces.
 pub(crate) fn draw_light(
     workers: &Workers,
     surfaces: &Surfaces,
@@ -126,11 +120,23 @@ pub(crate) fn draw_light(
     drawn: DrawnLight,
     onto: LayerTarget,
 ) -> Result<u64, Cancelled> {
-    match drawn.light {
-        RelitLight::Bent(bent) => draw(workers, surfaces, scene, &**bent, drawn, onto),
-        RelitLight::Spot(spot) => draw(workers, surfaces, scene, &**spot, drawn, onto),
-        RelitLight::Omni(omni) => draw(workers, surfaces, scene, &**omni, drawn, onto),
-        RelitLight::Directional(sun) => draw(workers, surfaces, scene, &**sun, drawn, onto),
+    drawn.light.visit(DrawLight { workers, surfaces, scene, drawn, onto })
+}
+
+struct DrawLight<'a> {
+    workers: &'a Workers,
+    surfaces: &'a Surfaces,
+    scene: &'a CasterScene<'a>,
+    drawn: DrawnLight<'a>,
+    onto: LayerTarget<'a>,
+}
+
+impl LightVisitor for DrawLight<'_> {
+    type Output = Result<u64, Cancelled>;
+
+    fn visit<S: RelitShape>(self, shape: &S) -> Result<u64, Cancelled> {
+        let Self { workers, surfaces, scene, drawn, onto } = self;
+        draw(workers, surfaces, scene, shape, drawn, onto)
     }
 }
 
@@ -213,11 +219,7 @@ impl<S: RelitShape> SimdTask for DrawChunk<'_, S> {
             }
             examined += LANES as u64;
             let surface = surface_of(&surfaces.camera, block);
-            let mut active = surface.exists;
-            if scene.links.bits.is_some() {
-                active = active & light_linked(scene, &surface);
-            }
-            let sample = shape.sample(scene, map, &surface, active);
+            let sample = shape.sample(scene, map, &surface, is_lit(scene, &surface));
             if sample.inside.any() {
                 *texel = if shows_visibility {
                     visibility(&sample)
@@ -232,14 +234,17 @@ impl<S: RelitShape> SimdTask for DrawChunk<'_, S> {
 
 /// True if a block contains any of `pixels`.
 #[inline(always)]
-fn touches(corner: [u16; 2], [x, y, width, height]: [u32; 4]) -> bool {
+pub(crate) fn touches(corner: [u16; 2], [x, y, width, height]: [u32; 4]) -> bool {
     let [left, top] = corner.map(u32::from);
     left + BLOCK_SIDE as u32 > x && left < x + width && top + BLOCK_SIDE as u32 > y && top < y + height
 }
 
-/// Returns the lanes whose surfaces the light's links let it illuminate.
+/// Returns the lanes whose surfaces exist and which the light's links let it illuminate.
 #[inline(always)]
-fn light_linked(scene: &CasterScene, surface: &SurfaceLanes) -> Masks {
+pub(crate) fn is_lit(scene: &CasterScene, surface: &SurfaceLanes) -> Masks {
+    if scene.links.bits.is_none() {
+        return surface.exists;
+    }
     let mut lit = Masks::ZERO;
     for i in 0..LANES {
         let triangle = surface.triangle.0[i];

@@ -11,6 +11,7 @@
 #![expect(clippy::inline_always, reason = "vectors are only made of what is inlined where the processor was chosen")]
 
 mod alpha_test;
+mod aov;
 mod attributes;
 mod bent;
 mod brdf;
@@ -38,11 +39,14 @@ mod visibility;
 mod workers;
 
 pub use alpha_test::{AlphaTest, AlphaTests, TexelWrap};
+pub use aov::{LightAov, SurfaceAov, add_light_aov, add_surface_aov};
 pub use attributes::{MaterialRun, SurfaceMaterial, SurfaceMaterials, SurfaceScene};
-pub use bent::{BentCasters, BentFace, BentMap, BentMapBuilder, BentMapParams, MapSlab, RelitBent, TubeSpace};
+pub use bent::{
+    BentCasters, BentFace, BentMap, BentMapBuilder, BentMapParams, MapSlab, RelitBent, TubeSpace, Wireframe,
+};
 pub use composite::{LayerSum, LayerTerm, LayerTerms, add_light, add_sample, display, sum};
 pub use depth_map::DepthMap;
-pub use layer::{DrawnLight, LightLayer, RelitLight, draw_layer, visibility_of};
+pub use layer::{DrawnLight, LightLayer, RelitLight, draw_layer};
 pub use pixel_block::CameraRays;
 pub use raster::{PicturePart, VisibilityBuffer, VisibilityBuilder, VisibleTriangles};
 pub use scene::{CasterHierarchy, CasterLinks, CasterScene};

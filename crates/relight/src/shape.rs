@@ -40,6 +40,18 @@ impl LightSampleLanes {
     }
 }
 
+/// Coordinates of sixteen surfaces in a light. In lanes that are not `inside` the values have no meaning.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightCoordsLanes {
+    /// Lanes whose surface is in the light's volume.
+    pub inside: Masks,
+    pub t: F32s,
+    pub v: F32s,
+    pub w: F32s,
+    /// Unit vector towards the direction from which light comes.
+    pub direction: Vec3s,
+}
+
 /// Light of one shape.
 pub(crate) trait RelitShape: Sync {
     fn light_profile(&self) -> &LightProfile;
@@ -52,4 +64,6 @@ pub(crate) trait RelitShape: Sync {
         surface: &SurfaceLanes,
         active: Masks,
     ) -> LightSampleLanes;
+    /// Computes the coordinates of surfaces in the light, in the `active` lanes.
+    fn coords(&self, surface: &SurfaceLanes, active: Masks) -> LightCoordsLanes;
 }

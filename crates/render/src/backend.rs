@@ -1,9 +1,9 @@
-//! Choice of GPU or CPU for shadows and lights.
+//! Choice of GPU or CPU for pictures.
 
 use wgpu::{Adapter, DeviceType};
 
-/// Device that draws pictures of the beauty and of visibility: surfaces, shadow maps, light contributions and their sum.
-/// Moving and final pictures use the same one, so both show the same shadows. wgpu draws every other AOV.
+/// Device that draws pictures: surfaces, shadow maps, light contributions and their sum, and AOVs. Moving and final
+/// pictures use the same one, so both show the same shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Backend {
     /// The graphics device, through wgpu.

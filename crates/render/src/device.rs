@@ -9,7 +9,7 @@ use wgpu::{
 };
 
 use crate::stages::{FrameStage, StageRecorder};
-use crate::{Aov, Backend, MemoryBudget, RenderError, driver};
+use crate::{Backend, MemoryBudget, RenderError, driver};
 
 /// Features that every pass needs: blending in f32, to add up lights, and the index of a fragment's triangle.
 const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
@@ -152,14 +152,9 @@ impl Gpu {
         self.is_cpu
     }
 
-    /// Returns the backend of shadows and lights in the beauty.
+    /// Returns the backend of pictures.
     pub fn backend(&self) -> Backend {
         self.backend
-    }
-
-    /// Returns the backend of `aov`. wgpu draws every AOV that does not depend on shadow maps.
-    pub(crate) fn backend_of(&self, aov: Aov) -> Backend {
-        if matches!(aov, Aov::Beauty | Aov::Visibility) { self.backend } else { Backend::Wgpu }
     }
 
     /// Makes data that lights on the native backend need in CPU memory; `None` on the wgpu backend.

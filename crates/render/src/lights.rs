@@ -9,7 +9,7 @@ use shadow::{CoarseClusters, Culling, MapFit, MapSize, PlacedLight, ShadowSettin
 use wgpu::TextureView;
 
 use crate::backend::Backend;
-use crate::bendy_light::BentMapBuffers;
+use crate::bendy_light::{self, BentMapBuffers, NativeOnto};
 use crate::camera::CameraRaster;
 use crate::coarse_casters::CoarseCasters;
 use crate::gpu_scene::GpuScene;
@@ -19,7 +19,7 @@ use crate::map_painter::{MapBuilders, MapPainter, MapStorage, NativeMapBuilders}
 use crate::map_source::MapSource;
 use crate::memory::{Evictable, MemoryKind, Reservation};
 use crate::pass_runs::Cause;
-use crate::passes::{DrawContext, Passes};
+use crate::passes::DrawContext;
 use crate::{Gpu, RenderError};
 
 /// Shadow maps of the lights in a scene, which all views share.
@@ -78,6 +78,12 @@ pub(crate) struct ReadyLight<Light> {
     pub shadow_map_cause: Option<Cause>,
     /// Counts the memory of the map if the budget has no room to cache it. The map is freed together with this.
     pub transient_map: Option<Reservation>,
+}
+
+/// Picture of a wireframe, by backend.
+pub(crate) enum WireframeOnto<'a> {
+    Wgpu(&'a TextureView),
+    Native { size: [u32; 2], picture: &'a mut [[f32; 4]] },
 }
 
 impl MapSlot {
@@ -323,11 +329,9 @@ impl ShadowMaps {
     /// Draws the triangles of `light`'s shadow map into a picture. A spotlight is first bent into one segment.
     pub fn draw_wireframe(
         &mut self,
-        gpu: &Gpu,
-        passes: &Passes,
-        scene: &GpuScene,
+        &DrawContext { gpu, passes, scene, .. }: &DrawContext,
         light: &CheckedLight,
-        picture: &TextureView,
+        onto: WireframeOnto,
     ) -> Result<(), RenderError> {
         scene.posed.bounds().check(light)?;
         let bent = match light.rays() {
@@ -341,7 +345,15 @@ impl ShadowMaps {
             shadow::wireframe_of(bent, &scene.posed, clusters, &self.shadows).ok_or(RenderError::NoWireframe)?;
         let Some(shape) = &placed.shape else { return Err(RenderError::NoWireframe) };
         let source = MapSource { scene, linked: linked.as_deref(), casting, shadows: &self.shadows };
-        passes.bendy.draw_wireframe(gpu, &mut self.bent_buffers, &placed, shape, &source, picture)
+        match onto {
+            WireframeOnto::Wgpu(picture) => {
+                passes.bendy.draw_wireframe(gpu, &mut self.bent_buffers, &placed, shape, &source, picture)
+            }
+            WireframeOnto::Native { size, picture } => {
+                let onto = NativeOnto::Wireframe { size, picture };
+                bendy_light::draw_map(gpu, &mut self.native.bent, &placed, shape, &source, onto)
+            }
+        }
     }
 }
 

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use light::LightPart;
 use relight::{DepthMap, RelitBent, RelitDirectional, RelitLight, RelitOmni, RelitSpot};
 use shadow::{MapSize, PlacedLight, StraightCoords};
 
 use crate::backend::Backend;
+use crate::bendy_light::NativeOnto;
 use crate::map_painter::{MapBuilders, MapPainter, MapStorage, NativeMapBuilders};
 use crate::map_source::MapSource;
 use crate::{Gpu, RenderError, bendy_light, native_straight};
@@ -46,7 +48,7 @@ impl MapPainter for NativeMaps<'_> {
         match placed {
             PlacedLight::Straight(placed) => native_straight::draw_map(gpu, straight, placed, source, into),
             PlacedLight::Bent(placed) => match &placed.shape {
-                Some(shape) => bendy_light::draw_map(gpu, bent, placed, shape, source, into),
+                Some(shape) => bendy_light::draw_map(gpu, bent, placed, shape, source, NativeOnto::Map(into)),
                 None => Ok(()),
             },
         }
@@ -63,7 +65,13 @@ impl MapPainter for NativeMaps<'_> {
 fn relit_light(placed: PlacedLight) -> RelitLight {
     let placed = match placed {
         PlacedLight::Bent(bent) => {
-            return RelitLight::Bent(Box::new(RelitBent::new(&bent.part.tube, bent.tube_from_scene, bent.map)));
+            let LightPart { tube, t_start, t_span, .. } = &bent.part;
+            return RelitLight::Bent(Box::new(RelitBent::new(
+                tube,
+                bent.tube_from_scene,
+                [*t_start, *t_span],
+                bent.map,
+            )));
         }
         PlacedLight::Straight(straight) => straight,
     };

@@ -6,8 +6,8 @@ use std::task::Poll;
 use glam::Mat4;
 use light::{CheckedLight, LightInstance};
 use relight::{
-    CameraRays, DrawnLight, Exposure, FillColors, LayerSum, LayerTerms, LightLayer, PicturePart, SurfaceScene,
-    Surfaces, VisibilityBuffer, VisibilityBuilder, VisibleTriangles,
+    CameraRays, DrawnLight, Exposure, FillColors, LayerSum, LayerTerms, LightAov, LightLayer, PicturePart, SurfaceAov,
+    SurfaceScene, Surfaces, VisibilityBuffer, VisibilityBuilder, VisibleTriangles,
 };
 use scene::Projection;
 
@@ -175,12 +175,20 @@ impl NativeTargets {
         Ok(())
     }
 
-    /// Adds one sample of the visibility of the light in `ready`, times `weight`, to the radiance. The first sample
-    /// replaces the radiance. Tile and pixels are as in [`Self::add_light`].
-    pub fn add_visibility(
+    /// Adds one sample of `aov`, times `weight`, to the radiance. The first sample replaces the radiance.
+    pub fn add_surface_aov(&mut self, gpu: &Gpu, aov: SurfaceAov, is_first: bool, weight: f32) {
+        self.begin_radiance(is_first);
+        relight::add_surface_aov(expect_surfaces(self.surfaces.as_ref()), aov, weight, &mut self.radiance);
+        gpu.stages.record_stage(FrameStage::Fill);
+    }
+
+    /// Adds one sample of `aov` of the light in `ready`, times `weight`, to the radiance. The first sample replaces the
+    /// radiance. Tile and pixels are as in [`Self::add_light`].
+    pub fn add_light_aov(
         &mut self,
         &DrawContext { gpu, scene, tile, .. }: &DrawContext,
         ready: Option<&ReadyLight<NativeLight>>,
+        aov: LightAov,
         is_first: bool,
         weight: f32,
     ) -> Result<(), RenderError> {
@@ -191,14 +199,15 @@ impl NativeTargets {
         let scene = caster_scene(scene, ready.linked.as_deref());
         let pixels = tile.clip(ready.pixels);
         let drawn = DrawnLight { light, map: map.as_deref(), pixels };
-        let visible = relight::visibility_of(gpu.workers(), surfaces, &scene, drawn)?;
-        for (sum, sample) in self.radiance.iter_mut().zip(visible) {
-            for (sum, sample) in sum.iter_mut().zip(sample) {
-                *sum += weight * sample;
-            }
-        }
+        relight::add_light_aov(gpu.workers(), surfaces, &scene, drawn, aov, weight, &mut self.radiance)?;
         gpu.stages.record_stage(FrameStage::Light);
         Ok(())
+    }
+
+    /// Returns the radiance as a picture of that size to draw on. What is there has no meaning.
+    pub fn picture(&mut self, size: [u32; 2]) -> &mut [[f32; 4]] {
+        self.radiance.resize(pixel_count(size) as usize, [0.0; 4]);
+        &mut self.radiance
     }
 
     /// Makes the radiance zero before the first sample.

@@ -14,7 +14,7 @@ use wgpu::Buffer;
 
 use crate::camera::{CameraRaster, sample_offset};
 use crate::gpu_scene::{GpuScene, SceneOnDevice};
-use crate::lights::ShadowMaps;
+use crate::lights::{ShadowMaps, WireframeOnto};
 use crate::native_targets::SurfacesBuilder;
 use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
 use crate::passes::{DrawContext, Passes};
@@ -140,9 +140,8 @@ impl Renderer {
     /// Draws the raw values of `view` under `lights`.
     pub fn render(&mut self, view: &View, lights: &[LightInstance]) -> Result<Picture, RenderError> {
         let aov = position::rendered_aov(view.aov);
-        let pixels = self.with_whole(view, aov, lights, |renderer, gpu, targets| {
-            renderer.read_raw(gpu, targets, aov, targets.size)
-        })?;
+        let pixels =
+            self.with_whole(view, aov, lights, |renderer, gpu, targets| renderer.read_raw(gpu, targets, targets.size))?;
         let mut picture = Picture { width: view.width, height: view.height, pixels };
         if view.aov == Aov::Position {
             position::from_depths(view, &mut picture);
@@ -170,15 +169,9 @@ impl Renderer {
         self.shadow_maps.invalidate();
     }
 
-    /// Reads back the upper left corner of `targets`, with the values of `aov`.
-    pub(crate) fn read_raw(
-        &self,
-        gpu: &Gpu,
-        targets: &Targets,
-        aov: Aov,
-        size: [u32; 2],
-    ) -> Result<Vec<[f32; 4]>, RenderError> {
-        match gpu.backend_of(aov) {
+    /// Reads back the raw values of the upper left corner of `targets`.
+    pub(crate) fn read_raw(&self, gpu: &Gpu, targets: &Targets, size: [u32; 2]) -> Result<Vec<[f32; 4]>, RenderError> {
+        match gpu.backend() {
             Backend::Wgpu => readback::read(gpu, &targets.lit(gpu, &self.passes).radiance, size),
             Backend::Native => Ok(targets.native.radiance().to_vec()),
         }
@@ -235,7 +228,7 @@ impl Renderer {
         tile: Tile,
         pause: Option<Pause>,
     ) -> Result<bool, RenderError> {
-        if gpu.backend_of(drawing.view.aov) == Backend::Native {
+        if gpu.backend() == Backend::Native {
             return self.draw_sample_natively(gpu, targets, drawing, tile, pause);
         }
         let CheckedPicture { view, raster, light_range: needed, samples, .. } = drawing;
@@ -249,8 +242,9 @@ impl Renderer {
             return Ok(true);
         }
         if view.aov == Aov::Wireframe {
-            let picture = &targets.lit(gpu, passes).radiance_view;
-            shadow_maps.draw_wireframe(gpu, passes, scene, &lights[view.light].light, picture)?;
+            let onto = WireframeOnto::Wgpu(&targets.lit(gpu, passes).radiance_view);
+            let context = DrawContext { gpu, passes, scene, raster, tile };
+            shadow_maps.draw_wireframe(&context, &lights[view.light].light, onto)?;
             ran.note(Pass::ShadowMap, Some(lights[view.light].id), Cause::NotKept);
             targets.samples_drawn = *samples;
             return Ok(true);

@@ -77,7 +77,7 @@ impl Viewers {
             return Ok(targets);
         }
         self.drop_view(view.slot);
-        gpu.make_room(bytes_of(gpu.backend_of(view.aov), size));
+        gpu.make_room(bytes_of(gpu.backend(), size));
         Ok(Targets::new(size))
     }
 

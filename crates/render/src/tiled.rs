@@ -161,7 +161,7 @@ impl Renderer {
         let work = work.get_or_insert_with(|| TiledWork::new(gpu, size, triangles, pixels));
         let Some(next) = work.tiling.tile() else { return Ok(true) };
         let tile = if whole { Tile { x: 0, y: 0, width: size[0], height: size[1] } } else { next };
-        work.ensure_targets(gpu, drawing.view.aov, tile)?;
+        work.ensure_targets(gpu, tile)?;
         let Some(targets) = &mut work.targets else { return Ok(false) };
 
         let (since, longest) = (Cell::new(Instant::now()), Cell::new(work.longest_piece));
@@ -208,7 +208,7 @@ impl Renderer {
             Pixels::Both(picture, bytes) => (Some(bytes), Some(picture)),
         };
         if let Some(picture) = picture {
-            let drawn = self.read_raw(gpu, targets, view.aov, size)?;
+            let drawn = self.read_raw(gpu, targets, size)?;
             let columns = (tile.x as usize, tile.width as usize);
             copy_rows(&mut picture.pixels, view.width as usize, &drawn, columns, tile.y);
         }
@@ -252,7 +252,7 @@ impl TiledWork {
     }
 
     /// Makes targets that are at least as large as `tile`, and not much larger, unless the present ones are.
-    fn ensure_targets(&mut self, gpu: &Gpu, aov: Aov, tile: Tile) -> Result<(), RenderError> {
+    fn ensure_targets(&mut self, gpu: &Gpu, tile: Tile) -> Result<(), RenderError> {
         let (width, height) = (tile.width, tile.height);
         gpu.check_picture_side(width.max(height))?;
         let most = 2 * pixel_count([width, height]);
@@ -263,7 +263,7 @@ impl TiledWork {
             // Frees the old ones first, so that two never coexist.
             (self.targets, self.tile_memory) = (None, None);
             gpu.free_dropped_memory();
-            let bytes = bytes_of(gpu.backend_of(aov), [width, height]);
+            let bytes = bytes_of(gpu.backend(), [width, height]);
             self.tile_memory = Some(gpu.memory.reserve(MemoryKind::Tiled, bytes));
             self.targets = Some(Targets::new([width, height]));
         }

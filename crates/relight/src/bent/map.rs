@@ -15,7 +15,7 @@ use super::split::{Patch, Split, SplitTriangles, ToClip};
 use super::triangles::{SortTriangles, SortedTriangles, Vertex};
 use crate::depth_map::DepthMap;
 use crate::lanes::{LANES, U32s, Vec3s};
-use crate::raster::{AlphaTestedTriangles, DepthRule, MapFace, RasterMemory, draw_face};
+use crate::raster::{AlphaTestedTriangles, DepthRule, MapFace, RasterMemory, RasterTriangle, draw_face};
 use crate::simd::{self, SimdTask};
 use crate::{Cancelled, Workers};
 
@@ -96,6 +96,14 @@ impl BentMapBuilder {
             true
         })?;
         Ok(count as u64)
+    }
+
+    /// Returns the sorted, clipped and split triangles, those with alpha tests last.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = &RasterTriangle> {
+        let whole = self.listed.iter().flat_map(|listed| &listed.unsplit);
+        let opaque = self.split.iter().flat_map(|split| &split.opaque);
+        let alpha_tested = self.split.iter().flat_map(|split| &split.alpha_tested).map(|triangle| &triangle.corners);
+        whole.chain(opaque).chain(alpha_tested)
     }
 
     /// Draws the sorted, clipped and split triangles onto each face, and returns their number.

@@ -10,13 +10,14 @@ mod slab;
 mod split;
 mod triangles;
 mod visibility;
+mod wireframe;
 
 use glam::{Mat4, Vec3};
 use light::{Curve, Lanes, LightProfile, Mask, Segment, Tube, TubeBox, TubeRoot};
 
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, Vec3s};
-use crate::shape::{LightSampleLanes, RelitShape, finite_attenuation};
+use crate::shape::{LightCoordsLanes, LightSampleLanes, RelitShape, finite_attenuation};
 use crate::surfaces::SurfaceLanes;
 use crate::transform::Affine3s;
 use crate::{CasterScene, ShadowFilter};
@@ -24,6 +25,7 @@ use crate::{CasterScene, ShadowFilter};
 pub use casters::{BentCasters, BentFace, BentMap};
 pub use map::BentMapBuilder;
 pub use slab::{MapSlab, TubeSpace};
+pub use wireframe::Wireframe;
 
 /// Largest color and largest intensity. Their product stays finite.
 const MAX_INTENSITY: f32 = 1e15;
@@ -38,6 +40,7 @@ pub struct RelitBent {
     /// Rotation from tube axes to world axes.
     world_from_tube: Affine3s,
     world_per_tube: f32,
+    t_of_light: [f32; 2],
     map: BentMapParams,
 }
 
@@ -62,13 +65,15 @@ pub struct BentMapParams {
 }
 
 impl RelitBent {
-    /// Makes a light that is ready to draw. `tube_from_scene` takes scene space to tube space.
-    pub fn new(tube: &Tube<f64>, tube_from_scene: Mat4, map: BentMapParams) -> Self {
+    /// Makes a light that is ready to draw. `tube_from_scene` takes scene space to tube space. `t_of_light` has the t of
+    /// the whole light where the tube, a part of it, begins, and its change per t of the part.
+    pub fn new(tube: &Tube<f64>, tube_from_scene: Mat4, t_of_light: [f64; 2], map: BentMapParams) -> Self {
         Self {
             tube: splat_tube(tube),
             tube_from_scene: Affine3s::splat(tube_from_scene),
             world_from_tube: Affine3s::splat(Mat4::from_mat3(tube.placement.rotation.as_mat3())),
             world_per_tube: tube.placement.world_per_tube as f32,
+            t_of_light: t_of_light.map(|t| t as f32),
             map,
         }
     }
@@ -102,6 +107,31 @@ impl RelitShape for RelitBent {
             }
         }
         sample
+    }
+
+    #[inline(always)]
+    fn coords(&self, surface: &SurfaceLanes, active: Masks) -> LightCoordsLanes {
+        let (zero, one) = (F32s::ZERO, F32s::splat(1.0));
+        let q = self.tube_from_scene.position(surface.position);
+        let nearest = root::nearest(&self.tube, q, active);
+        let [start, span] = self.t_of_light.map(F32s::splat);
+        let t = start + span * (nearest.segment + nearest.u);
+        let nowhere = Vec3s::splat([0.0; 3]);
+        let mut coords = LightCoordsLanes { inside: nearest.found, t, v: zero, w: zero, direction: nowhere };
+        for segment in 0..self.tube.segments.len() {
+            let here = nearest.found & nearest.segment.equals(F32s::splat(segment as f32));
+            if here.any() {
+                let (inside, _) = self.tube.inside_at(segment, q, nearest.u);
+                let root = self.tube.root_at(&inside);
+                let radius = F32s::select(root.radius.gt(zero), root.radius, one);
+                let toward = self.world_from_tube.vector(self.tube.direction_at(&root));
+                coords.v = F32s::select(here, root.v_len / radius, coords.v);
+                coords.w = F32s::select(here, root.w_len / radius, coords.w);
+                let toward = toward * (one / F32s::length(toward));
+                coords.direction = F32s::select_vec(here, toward, coords.direction);
+            }
+        }
+        coords
     }
 }
 

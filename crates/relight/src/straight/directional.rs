@@ -83,7 +83,7 @@ impl StraightShape for RelitDirectional {
         let v = F32s::splat(shift_v) - position.x * F32s::splat(scale_v);
         let w = position.y * F32s::splat(scale_w) + F32s::splat(shift_w);
         let toward = self.light_from_scene.transposed_vector(Vec3s { x: zero, y: zero, z: one });
-        Located { inside: v.abs().le(one) & w.abs().le(one), v, w, s: zero, to_light: toward }
+        Located { inside: v.abs().le(one) & w.abs().le(one), t: zero, v, w, s: zero, to_light: toward }
     }
 
     #[inline(always)]

@@ -29,6 +29,8 @@ const DEPTH_ROUNDING: f32 = 1.0 / 4_194_304.0;
 #[derive(Clone, Copy, Debug)]
 struct Located {
     inside: Masks,
+    /// Share of the light's range; 0 for a light without one.
+    t: F32s,
     v: F32s,
     w: F32s,
     /// Length of the light path, in world units; 0 for a light whose irradiance does not depend on it.

@@ -77,6 +77,7 @@ impl StraightShape for RelitOmni {
         let [v, w] = on_cube(position);
         Located {
             inside: s.gt(zero) & s.le(F32s::splat(self.range)),
+            t: s / F32s::splat(self.range),
             v,
             w,
             s,

@@ -5,7 +5,7 @@ use light::{Lanes, LightProfile, Mask};
 use super::Located;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
-use crate::shape::{LightSampleLanes, RelitShape, finite_attenuation};
+use crate::shape::{LightCoordsLanes, LightSampleLanes, RelitShape, finite_attenuation};
 use crate::surfaces::SurfaceLanes;
 use crate::visibility::{
     Facing, LitTexels, Receiver, beyond_map, facing, filter_visibility, gathered, resolve_along_segment,
@@ -102,6 +102,12 @@ impl<Shape: StraightShape> RelitShape for Shape {
         let share = finite_attenuation(self.profile(), located.v, located.w, located.s);
         let irradiance = Vec3s { x: share, y: share, z: share };
         LightSampleLanes { inside: located.inside, direction: located.to_light, irradiance, visibility }
+    }
+
+    #[inline(always)]
+    fn coords(&self, surface: &SurfaceLanes, active: Masks) -> LightCoordsLanes {
+        let Located { inside, t, v, w, to_light, .. } = self.locate(surface.position);
+        LightCoordsLanes { inside: inside & active, t, v, w, direction: to_light }
     }
 }
 

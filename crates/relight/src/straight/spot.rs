@@ -88,6 +88,7 @@ impl StraightShape for RelitSpot {
         let s = F32s::length(position);
         Located {
             inside: is_ahead & (x * x + y * y).le(tan * tan) & depth.le(F32s::splat(self.range)),
+            t: depth / F32s::splat(self.range),
             // Axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat points to the left of +x.
             v: -x / tan,
             w: y / tan,

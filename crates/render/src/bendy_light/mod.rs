@@ -25,7 +25,7 @@ use crate::baked_filter::{BakedFilter, with_filter};
 pub use increasing_roots::increasing_roots;
 pub use locate::locate;
 pub use mapped::map_points;
-pub(crate) use native::draw_map;
+pub(crate) use native::{NativeOnto, draw_map};
 pub(crate) use pass::BendyPass;
 pub(crate) use shadow_buffers::BentMapBuffers;
 

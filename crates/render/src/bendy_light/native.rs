@@ -1,6 +1,6 @@
 //! Maps of BendyLights on the CPU.
 
-use relight::{AlphaTests, BentFace, BentMap, DepthMap, TubeSpace};
+use relight::{AlphaTests, BentFace, BentMap, DepthMap, TubeSpace, Wireframe};
 use shadow::{CastersNearSlabs, MapShape, PlacedBent, slab_bounds, slabs_of_map};
 
 use crate::alpha_test::GpuAlphaTests;
@@ -9,14 +9,22 @@ use crate::map_source::MapSource;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError};
 
-/// Draws the map of a light into `into`, at its size. `shape` is that of the map.
+/// Target of a map's triangles.
+pub(crate) enum NativeOnto<'a> {
+    /// Depths, at the map's size.
+    Map(&'a mut DepthMap),
+    /// A drawing of the triangles, linear RGBA.
+    Wireframe { size: [u32; 2], picture: &'a mut [[f32; 4]] },
+}
+
+/// Draws the triangles of a light's map. `shape` is that of the map.
 pub(crate) fn draw_map(
     gpu: &Gpu,
     work: &mut relight::BentMapBuilder,
     placed: &PlacedBent,
     shape: &MapShape,
     source: &MapSource,
-    into: &mut DepthMap,
+    onto: NativeOnto,
 ) -> Result<(), RenderError> {
     let MapSource { scene, casting, shadows, .. } = *source;
     let (origin, workers, tube) = (scene.posed.origin_in_world, gpu.workers(), &placed.part.tube);
@@ -51,7 +59,18 @@ pub(crate) fn draw_map(
     gpu.stages.record_stage(FrameStage::Triangles);
     let split = work.split(workers, &drawn, &casters)?;
     gpu.stages.record_stage(FrameStage::Split);
-    let triangles = work.draw(workers, &drawn, &casters, into)?;
+    let triangles = match onto {
+        NativeOnto::Map(into) => work.draw(workers, &drawn, &casters, into)?,
+        NativeOnto::Wireframe { size, picture } => {
+            let wireframe = Wireframe {
+                size: size.map(|side| side as usize),
+                t_of_light: [placed.part.t_start, placed.part.t_span],
+                t_base: shape.t_base(),
+                t_span: shape.t_span(),
+            };
+            return Ok(work.draw_wireframe(workers, &wireframe, picture)?);
+        }
+    };
     gpu.stages.record_stage(FrameStage::Draw);
     gpu.stages.count(|counters| {
         counters.triangles_seen += u64::from(near.triangles);

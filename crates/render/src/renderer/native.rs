@@ -1,12 +1,14 @@
-//! Pictures of beauty and visibility on the native backend.
+//! Pictures on the native backend.
 
 use std::task::Poll;
 
 use light::LightInstance;
+use relight::{LightAov, SurfaceAov};
 
 use super::{CheckedPicture, Renderer};
 use crate::camera::sample_offset;
 use crate::layers::LayerWork;
+use crate::lights::WireframeOnto;
 use crate::native_map::NativeMaps;
 use crate::pass_runs::{Cause, Pass};
 use crate::passes::DrawContext;
@@ -15,6 +17,26 @@ use crate::stages::FrameStage;
 use crate::targets::Targets;
 use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, display, gpu_structs};
+
+/// Quantity that a picture shows in place of radiance.
+#[derive(Clone, Copy)]
+enum Quantity {
+    OfSurface(SurfaceAov),
+    OfLight(LightAov),
+}
+
+/// Returns the quantity of `aov`; `None` for the beauty and the wireframe. Positions come from depths.
+fn quantity(aov: Aov) -> Option<Quantity> {
+    Some(match aov {
+        Aov::Beauty | Aov::Wireframe => return None,
+        Aov::Depth | Aov::Position => Quantity::OfSurface(SurfaceAov::Depth),
+        Aov::Normal => Quantity::OfSurface(SurfaceAov::Normal),
+        Aov::T => Quantity::OfLight(LightAov::T),
+        Aov::Vw => Quantity::OfLight(LightAov::Vw),
+        Aov::Direction => Quantity::OfLight(LightAov::Direction),
+        Aov::Visibility => Quantity::OfLight(LightAov::Visibility),
+    })
+}
 
 impl Renderer {
     /// Draws the surfaces of `tile` for the sample with that index, unless they are there. Returns the camera uniform.
@@ -70,7 +92,7 @@ impl Renderer {
         Ok(bytes)
     }
 
-    /// Draws a sample of beauty or visibility, as [`Renderer::draw_sample`]. Lights add up in order in a sum for the
+    /// Draws a sample, as [`Renderer::draw_sample`]. Lights add up in order in a sum for the
     /// sample; then the sum and the fill are added to the earlier samples. Layers of up to [`gpu_structs::TERMS`]
     /// lights on a screen add up the same way, so a single sample equals them bit for bit. With more lights, the layers
     /// add up in sums of four, with other roundings.
@@ -84,18 +106,28 @@ impl Renderer {
         tile: Tile,
         pause: Option<Pause>,
     ) -> Result<bool, RenderError> {
-        let CheckedPicture { view, raster, samples, .. } = drawing;
+        let CheckedPicture { view, raster, light_range: needed, samples, .. } = drawing;
         let lights = self.straightened_lights(view.aov, &drawing.lights);
-        self.shadow_maps.begin(view.slot, &lights, self.scene.revision);
+        self.shadow_maps.begin(view.slot, &lights[needed.clone()], self.scene.revision);
         targets.begin(self.scene.revision, view, tile, &lights);
         let sample = targets.samples_drawn;
         if sample == *samples {
             return Ok(true);
         }
+        if view.aov == Aov::Wireframe {
+            let LightInstance { id, light } = &lights[view.light];
+            let context = DrawContext { gpu, passes: &self.passes, scene: &self.scene, raster, tile };
+            let size = targets.size;
+            let onto = WireframeOnto::Native { size, picture: targets.native.picture(size) };
+            self.shadow_maps.draw_wireframe(&context, light, onto)?;
+            self.pass_runs.note(Pass::ShadowMap, Some(*id), Cause::NotKept);
+            targets.samples_drawn = *samples;
+            return Ok(true);
+        }
         let seen = self.prepare_surfaces(gpu, targets, drawing, tile, sample, pause)?;
         let Poll::Ready(uniform) = seen else { return Ok(false) };
-        if view.aov == Aov::Visibility {
-            self.draw_visibility(gpu, targets, drawing, tile, &lights[view.light])?;
+        if let Some(quantity) = quantity(view.aov) {
+            self.draw_aov(gpu, targets, drawing, tile, quantity, &lights)?;
             targets.samples_drawn = sample + 1;
             return Ok(sample + 1 == *samples);
         }
@@ -138,24 +170,31 @@ impl Renderer {
         Ok(sample + 1 == *samples)
     }
 
-    /// Adds the next sample of the visibility of `light`.
-    fn draw_visibility(
+    /// Adds the next sample of an AOV.
+    fn draw_aov(
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
         drawing: &CheckedPicture,
         tile: Tile,
-        light: &LightInstance,
+        quantity: Quantity,
+        lights: &[LightInstance],
     ) -> Result<(), RenderError> {
         let CheckedPicture { view, raster, samples, .. } = drawing;
         let Self { passes, scene, shadow_maps, pass_runs: ran, .. } = self;
         let context = DrawContext { gpu, passes, scene, raster, tile };
-        let ready = shadow_maps.ready_light(&mut NativeMaps(gpu), &context, light, view.shadow_map)?;
-        if let Some(cause) = ready.as_ref().and_then(|ready| ready.shadow_map_cause) {
-            ran.note(Pass::ShadowMap, Some(light.id), cause);
-        }
         let (is_first, weight) = (targets.samples_drawn == 0, 1.0 / *samples as f32);
-        targets.native.add_visibility(&context, ready.as_ref(), is_first, weight)?;
+        match quantity {
+            Quantity::OfSurface(aov) => targets.native.add_surface_aov(gpu, aov, is_first, weight),
+            Quantity::OfLight(aov) => {
+                let light = &lights[view.light];
+                let ready = shadow_maps.ready_light(&mut NativeMaps(gpu), &context, light, view.shadow_map)?;
+                if let Some(cause) = ready.as_ref().and_then(|ready| ready.shadow_map_cause) {
+                    ran.note(Pass::ShadowMap, Some(light.id), cause);
+                }
+                targets.native.add_light_aov(&context, ready.as_ref(), aov, is_first, weight)?;
+            }
+        }
         ran.note(Pass::Lighting, None, Cause::NotKept);
         Ok(())
     }
