@@ -65,22 +65,22 @@ TEST_THREADS = $(shell echo $$((2 * $$(getconf _NPROCESSORS_ONLN))))
 # Scenes of other makers, beside the checkout and not part of it. CI promises them: where they are missing its tests fail.
 SHARED_ASSETS := $(or $(wildcard ../shared/assets),$(filter true,$(CI)))
 
-# Compilers of C and C++ and a linker, a Vulkan driver that needs no GPU (Mesa's lavapipe) and its loader.
-PACKAGES := gcc g++ libc6-dev libvulkan1 mesa-vulkan-drivers
+# Compilers of C and C++ and a linker.
+PACKAGES := gcc g++ libc6-dev
 # Where Debian 12, whose lavapipe is of Mesa 22, keeps one of Mesa 25. That one jumps over branches in shaders; 22 runs both sides.
 BACKPORTS := http://deb.debian.org/debian
-# A browser for the page, strace to see that what is acknowledged is on disk, curl and jq for the commands of README and docs, systemd-analyze
+# A Vulkan driver that needs no GPU (Mesa's lavapipe) and its loader, for tests of wgpu. A browser for the page, strace to see that what is acknowledged is on disk, curl and jq for the commands of README and docs, systemd-analyze
 # for the units in deploy/, nginx and Caddy for its snippets, and Python for the tools that check openapi.json.
-TEST_PACKAGES := chromium-headless-shell strace curl jq systemd nginx-light caddy python3 python3-venv
+TEST_PACKAGES := libvulkan1 mesa-vulkan-drivers chromium-headless-shell strace curl jq systemd nginx-light caddy python3 python3-venv
 
 packages:
 	@command -v cargo > /dev/null || { echo "Rust is missing: install it from your distribution or rustup.rs"; exit 1; }
 	@node -e 'const [a, b] = process.versions.node.split(".").map(Number); process.exit(a > 20 || (a == 20 && b >= 19) ? 0 : 1)' 2> /dev/null \
 	  || { echo "Node.js 20.19 or newer is missing, which builds the page: install it from your distribution or nodejs.org"; exit 1; }
-	@$(upgrade-mesa)
 	@$(call install,$(PACKAGES))
 
 test-packages: packages
+	@$(upgrade-mesa)
 	@$(call install,$(TEST_PACKAGES))
 
 openapi-tools: target/openapi-tools/installed

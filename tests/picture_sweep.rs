@@ -1,10 +1,8 @@
 //! Tests a sample of `bendylights bench sweep`: random lights of each shape with random orientation, over floors of
 //! every size, between walls, in rooms and under roofs.
 
-use std::sync::Arc;
-
 use bench::sweep::{BACKENDS, SHAPES, SceneFile, SweepOptions, SweepReport, SweepRow, sweep};
-use render::{Gpu, MemoryBudget, Renderer};
+use render::{Device, Host, Renderer};
 
 use crate::pictures::{renderer_of, shared_asset};
 
@@ -95,9 +93,9 @@ fn faults_of_maps_are_seen() {
             let report = sweep(&mut [renderer], "", &options, |_| {}).expect("it can be drawn");
             report.rows[0].clone()
         };
-        let faulty = Gpu::open(MemoryBudget::default(), Some(BACKENDS[0])).expect("tests need a graphics driver");
+        let faulty = Device::open(Host::default(), Some(BACKENDS[0])).expect("tests need a graphics driver");
         let faulty = faulty.with_fault(text, replacement);
-        let found = row(Renderer::new(Arc::new(faulty)).expect("a renderer"));
+        let found = row(Renderer::new(&faulty).expect("a renderer"));
         println!("{shape} with {replacement}: {} wrong", found.wrong);
         assert!(found.wrong > allowed(&found), "{shape} with {replacement}: {found:?}");
         assert_eq!(row(renderer_of(BACKENDS[0])).wrong, 0, "{shape}");

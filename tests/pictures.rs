@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use bench::compare::{Comparison, ComparisonSubject, ExpectedPicture, RenderedSubject};
 use glam::DVec3;
 use light::{Light, LightInstance};
-use render::{Backend, Culling, Gpu, MemoryBudget, Picture, Renderer};
+use render::{Backend, Culling, Device, Host, Picture, Renderer};
 use scene::{PosedScene, View};
 
 /// Makes a renderer with the backend that suits the device.
@@ -24,8 +24,8 @@ pub fn renderer_of(backend: Backend) -> Renderer {
 /// Makes a renderer that shares the pipelines of the `first`: compiling them takes longer than drawing a picture.
 fn with_same_pipelines(first: &OnceLock<Mutex<Renderer>>, backend: Option<Backend>) -> Renderer {
     let first = first.get_or_init(|| {
-        let gpu = Gpu::open(MemoryBudget::default(), backend).expect("tests need a graphics driver");
-        Mutex::new(Renderer::new(Arc::new(gpu)).expect("the device works"))
+        let device = Device::open(Host::default(), backend).expect("tests need a graphics driver");
+        Mutex::new(Renderer::new(&device).expect("the device works"))
     });
     let first = first.lock().unwrap_or_else(PoisonError::into_inner);
     first.with_same_pipelines().expect("the device works")

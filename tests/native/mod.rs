@@ -7,5 +7,6 @@
 mod aovs;
 mod bent;
 pub mod both;
+mod driver;
 mod straight;
 mod threads;

@@ -84,7 +84,7 @@ pub enum Error {
     NothingLit(String),
     /// The backend has no shadow maps, but an option sets them.
     #[error(
-        "{0}: the reference follows light along its curve and has no shadow maps: leave it out, or take --backend gpu"
+        "{0}: the reference follows light along its curve and has no shadow maps: leave it out, or take another --backend"
     )]
     NoShadowMaps(&'static str),
     /// The file name of a picture has no known extension.

@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
             let tube = Tube::<f32>::from(&part.tube);
             points.iter().map(|&point| part.to_whole_light(&tube.locate(point))).collect()
         }
-        EvalDevice::Gpu => render::locate(&*gpu::open()?, tube, &points)?,
+        EvalDevice::Gpu => render::locate(&*gpu::open_gpu()?, tube, &points)?,
     };
     let scene = args.scene.as_deref().map(open_scene).transpose()?.map(|loaded| loaded.scene);
     let shadows = scene.map(|scene| Shadows::new(scene, &light, args.precision));

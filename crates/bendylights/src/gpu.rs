@@ -4,23 +4,23 @@ use std::sync::Arc;
 
 use clap::ValueEnum;
 use cli::print_note;
-use render::{Backend, Gpu, MemoryBudget, RenderError};
+use render::{Backend, Device, Gpu, Host, RenderError};
 
-/// Option for the backend of shadows and lights.
+/// Option for the backend of pictures.
 #[derive(clap::Args)]
 pub struct BackendArgs {
-    /// Backend that draws shadows and lights of pictures
+    /// Backend that draws pictures
     #[arg(long, value_enum, default_value = "auto", value_name = "WHO")]
     backend: BackendChoice,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum BackendChoice {
-    /// Native where the graphics driver draws on the processor anyway, wgpu elsewhere
+    /// wgpu if there is a GPU, native otherwise
     Auto,
-    /// The processor, on all cores, for machines without a GPU; the driver draws AOVs alone
+    /// The CPU, on all cores; needs no graphics driver
     Native,
-    /// The graphics driver, be it a GPU's or a software one
+    /// The graphics driver, of a GPU or a software one
     Wgpu,
 }
 
@@ -35,9 +35,18 @@ impl BackendArgs {
     }
 }
 
-/// Opens the best device with the wgpu backend. Prints a note if its driver is needlessly slow.
-pub fn open() -> Result<Arc<Gpu>, RenderError> {
-    let gpu = Gpu::open(MemoryBudget::default(), Some(Backend::Wgpu))?;
+/// Opens the device of `backend`, or the best one. Prints a note if its driver is needlessly slow.
+pub fn open(backend: Option<Backend>) -> Result<Device, RenderError> {
+    let device = Device::open(Host::default(), backend)?;
+    if let Some(advice) = device.advice() {
+        print_note(&format!("note: {advice}"));
+    }
+    Ok(device)
+}
+
+/// Opens the best device with a graphics driver.
+pub fn open_gpu() -> Result<Arc<Gpu>, RenderError> {
+    let gpu = Gpu::open(Host::default())?;
     if let Some(advice) = gpu.advice() {
         print_note(&format!("note: {advice}"));
     }

@@ -10,7 +10,7 @@ use document::SceneContents;
 use light::{CheckedLight, LightId, LightInstance, SceneBounds, Tube};
 use protocol::RenderRequest;
 use reference::Reference;
-use render::{Picture, PictureOrigin, Pixels, Renderer, ShadowSettings, View, ViewSlot};
+use render::{Backend, Picture, PictureOrigin, Pixels, Renderer, ShadowSettings, View, ViewSlot};
 use scene::PosedScene;
 
 use crate::error::{Error, choices};
@@ -55,13 +55,13 @@ pub struct Args {
     #[command(flatten)]
     picture: PictureArgs,
     /// Backend that draws the picture
-    #[arg(long, value_enum, default_value = "gpu")]
+    #[arg(long, value_enum, default_value = "auto", value_name = "WHO")]
     backend: PictureBackend,
-    /// Texels along each side of a shadow map, 16 or more; backend gpu only [default: 2048]
+    /// Texels along each side of a shadow map, 16 or more; not for the reference [default: 2048]
     #[arg(long, value_name = "N", value_parser = whole_number_parser(0..=u32::MAX))]
     shadow_resolution: Option<u32>,
     /// Distance by which shadow casters may deviate from the scene, in world units, to be fewer triangles;
-    /// backend gpu only [default: 0]
+    /// not for the reference [default: 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     shadow_mesh_error: Option<f64>,
     /// Picture to write, as PNG or EXR by its ending; may be given more than once, for several files of one drawing
@@ -69,16 +69,20 @@ pub struct Args {
     output: Vec<PathBuf>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum PictureBackend {
-    /// The graphics device, in single precision, with shadow maps
-    Gpu,
-    /// The processor, in double precision, following light along its curve: slow, and what the GPU is measured against
+    /// wgpu if there is a GPU, native otherwise
+    Auto,
+    /// The CPU, in single precision, with shadow maps; needs no graphics driver
+    Native,
+    /// The graphics driver, of a GPU or a software one, in single precision, with shadow maps
+    Wgpu,
+    /// The CPU, in double precision, following light along its curve: slow, and what the others are measured against
     Reference,
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    if let PictureBackend::Gpu = args.backend {
+    if args.backend != PictureBackend::Reference {
         cli::restart_without_window_system();
     }
     let shadows = shadow_settings(args)?;
@@ -95,7 +99,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     notes.extend(args.picture.warning());
     notes.extend(lights.iter().flat_map(warnings));
     let posed = scene::pose(scene, 0.0);
-    if matches!(args.backend, PictureBackend::Gpu) {
+    if args.backend != PictureBackend::Reference {
         notes.extend(left_out(&posed.bounds(), &lights));
     }
     let (wanted, aspect) = (request.camera.as_ref(), request.framing_aspect());
@@ -105,7 +109,9 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let origin = PictureOrigin { scene: name.or_else(|| Some(args.scene.clone())), ..PictureOrigin::default() };
     let pictures = PictureJob { view, lights: &lights, wanted: args.picture.wanted(light, &lights), origin };
     match args.backend {
-        PictureBackend::Gpu => draw(&posed, &pictures, shadows, &files),
+        PictureBackend::Auto => draw(&posed, &pictures, shadows, None, &files),
+        PictureBackend::Native => draw(&posed, &pictures, shadows, Some(Backend::Native), &files),
+        PictureBackend::Wgpu => draw(&posed, &pictures, shadows, Some(Backend::Wgpu), &files),
         PictureBackend::Reference => {
             let reference = Reference::new(posed);
             files.write(&pictures, |view, _| trace(&reference, view, &lights).map(Pixels::Raw))
@@ -131,14 +137,15 @@ fn shadow_settings(args: &Args) -> Result<ShadowSettings, Error> {
     }
 }
 
-/// Draws pictures of a scene into files.
+/// Draws pictures of a scene into files, on the best device if `backend` is `None`.
 pub fn draw(
     scene: &Arc<PosedScene>,
     pictures: &PictureJob,
     shadows: ShadowSettings,
+    backend: Option<Backend>,
     files: &OutputPictures,
 ) -> Result<(), Error> {
-    let mut renderer = Renderer::new(gpu::open()?)?;
+    let mut renderer = Renderer::new(&gpu::open(backend)?)?;
     renderer.set_shadow_settings(shadows)?;
     renderer.set_scene(scene)?;
     files.write(pictures, |view, needs| {

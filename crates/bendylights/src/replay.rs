@@ -142,5 +142,5 @@ fn draw_document(
         ..PictureOrigin::default()
     };
     let pictures = PictureJob { view, lights: &lights, wanted: args.picture.wanted(light, &lights), origin };
-    draw(&posed, &pictures, ShadowSettings::default(), files)
+    draw(&posed, &pictures, ShadowSettings::default(), None, files)
 }

@@ -1,8 +1,6 @@
 //! Choice of GPU or CPU for pictures.
 
-use wgpu::{Adapter, DeviceType};
-
-/// Device that draws pictures: surfaces, shadow maps, light contributions and their sum, and AOVs. Moving and final
+/// Backend that draws pictures: surfaces, shadow maps, light contributions and their sum, and AOVs. Moving and final
 /// pictures use the same one, so both show the same shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Backend {
@@ -19,10 +17,5 @@ impl Backend {
             Self::Wgpu => "wgpu",
             Self::Native => "native",
         }
-    }
-
-    /// Returns the default for `adapter`: the CPU if the graphics device itself is a CPU.
-    pub(crate) fn of(adapter: &Adapter) -> Self {
-        if adapter.get_info().device_type == DeviceType::Cpu { Self::Native } else { Self::Wgpu }
     }
 }

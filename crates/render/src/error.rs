@@ -8,10 +8,10 @@ pub enum RenderError {
     /// There is no usable Vulkan or GL driver.
     #[error(
         "no graphics driver can render this: {0}; install mesa-vulkan-drivers (it renders without a GPU) or the \
-         driver of your GPU"
+         driver of your GPU, or draw on the CPU (backend native)"
     )]
     NoAdapter(String),
-    /// The device is lost; open a new [`crate::Gpu`].
+    /// The device is lost; open a new [`crate::Device`].
     #[error("the graphics device was lost ({0}): open it again")]
     DeviceLost(String),
     /// The driver reported an error.

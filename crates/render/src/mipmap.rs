@@ -1,7 +1,6 @@
 //! Mip levels by area averaging, in linear light for sRGB images.
 
 use half::f16;
-use wgpu::TextureFormat;
 
 /// Encoding of an image's bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -12,12 +11,20 @@ pub(crate) enum Encoding {
     Linear,
 }
 
+/// Numbers of a texel, four per texel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TexelFormat {
+    Unorm8,
+    Unorm16,
+    Half,
+}
+
 /// Image and its mip levels, in the bytes of a texture format.
 #[derive(Debug)]
 pub(crate) struct MipChain {
     /// Levels in order, from the full size down.
     pub bytes: Vec<u8>,
-    pub format: TextureFormat,
+    pub format: TexelFormat,
     pub levels: u32,
 }
 
@@ -26,7 +33,7 @@ pub(crate) fn mip_chain(
     (width, height): (u32, u32),
     rgba8: &[u8],
     encoding: Encoding,
-    format: TextureFormat,
+    format: TexelFormat,
 ) -> MipChain {
     let decode = decoding_table(encoding);
     let (mut width, mut height) = (width as usize, height as usize);
@@ -43,13 +50,12 @@ pub(crate) fn mip_chain(
     chain
 }
 
-fn encode_level(level: &[[f32; 4]], format: TextureFormat) -> Vec<u8> {
+fn encode_level(level: &[[f32; 4]], format: TexelFormat) -> Vec<u8> {
     let channels = level.as_flattened().iter();
     match format {
-        TextureFormat::Rgba8Unorm => channels.map(|c| (c * 255.0 + 0.5) as u8).collect(),
-        TextureFormat::Rgba16Unorm => channels.flat_map(|c| ((c * 65535.0 + 0.5) as u16).to_ne_bytes()).collect(),
-        TextureFormat::Rgba16Float => channels.flat_map(|c| f16::from_f32(*c).to_ne_bytes()).collect(),
-        _ => unreachable!("no texture is stored as {format:?}"),
+        TexelFormat::Unorm8 => channels.map(|c| (c * 255.0 + 0.5) as u8).collect(),
+        TexelFormat::Unorm16 => channels.flat_map(|c| ((c * 65535.0 + 0.5) as u16).to_ne_bytes()).collect(),
+        TexelFormat::Half => channels.flat_map(|c| f16::from_f32(*c).to_ne_bytes()).collect(),
     }
 }
 
@@ -108,13 +114,13 @@ mod tests {
     use super::*;
 
     fn bytes(width: u32, height: u32, rgba8: &[u8]) -> Vec<u8> {
-        let chain = mip_chain((width, height), rgba8, Encoding::Linear, TextureFormat::Rgba8Unorm);
+        let chain = mip_chain((width, height), rgba8, Encoding::Linear, TexelFormat::Unorm8);
         assert_eq!(chain.levels, width.max(height).ilog2() + 1);
         chain.bytes
     }
 
     fn colours(width: u32, height: u32, rgba8: &[u8]) -> Vec<u16> {
-        let chain = mip_chain((width, height), rgba8, Encoding::Srgb, TextureFormat::Rgba16Unorm);
+        let chain = mip_chain((width, height), rgba8, Encoding::Srgb, TexelFormat::Unorm16);
         chain.bytes.chunks_exact(2).map(|c| u16::from_ne_bytes([c[0], c[1]])).collect()
     }
 
@@ -153,7 +159,7 @@ mod tests {
     #[test]
     fn formats_hold_colours_to_their_steps() {
         let picture: Vec<u8> = (0..=255).flat_map(|byte| [byte; 4]).collect();
-        let halves = mip_chain((256, 1), &picture, Encoding::Srgb, TextureFormat::Rgba16Float).bytes;
+        let halves = mip_chain((256, 1), &picture, Encoding::Srgb, TexelFormat::Half).bytes;
         let shorts = colours(256, 1, &picture);
         for (byte, linear) in decoding_table(Encoding::Srgb).into_iter().enumerate() {
             let half = f16::from_ne_bytes([halves[8 * byte], halves[8 * byte + 1]]).to_f32();

@@ -4,7 +4,8 @@ use image::{Rgb, RgbImage};
 use light::LightInstance;
 use png::{BitDepth, ColorType, Compression, SrgbRenderingIntent};
 
-use crate::{Aov, RenderError, View, display};
+use crate::exposure::Exposure;
+use crate::{Aov, RenderError, View};
 
 /// Raw linear values of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -173,9 +174,9 @@ type Color = [f32; 3];
 /// - visibility: unchanged;
 /// - wireframe: t's ramp with the edges in white, darker outside the tube.
 fn visualize(picture: &Picture, view: &View, segments: usize) -> RgbImage {
-    let exposure = display::exposure_factor(view.exposure);
+    let exposure = Exposure::from_stops(view.exposure);
     let color: &dyn Fn(usize, [f32; 4]) -> Color = match view.aov {
-        Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| display::exposed_radiance(c, exposure))),
+        Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| exposure.of(c))),
         Aov::Visibility => &|_, [x, y, z, _]| [x, y, z],
         Aov::Normal | Aov::Direction => &|_, [x, y, z, _]| [x, y, z].map(|c| 0.5 + 0.5 * c),
         Aov::Position => {

@@ -1,152 +1,174 @@
-//! The renderer: a scene, its caches and pictures.
+//! The renderer: a scene, its caches and pictures, on the backend of its device.
 
-mod layered;
-mod native;
-#[cfg(test)]
-mod test_access;
-
-use std::ops::Range;
 use std::sync::Arc;
+use std::task::Poll;
+use std::time::Duration;
 
-use light::{CheckedLight, LightInstance};
-use scene::{PosedScene, Scene};
-use wgpu::Buffer;
+use light::LightInstance;
+use scene::{PosedScene, View, ViewSlot};
 
-use crate::camera::{CameraRaster, sample_offset};
-use crate::gpu_scene::{GpuScene, SceneOnDevice};
-use crate::lights::{ShadowMaps, WireframeOnto};
-use crate::native_targets::SurfacesBuilder;
-use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
-use crate::passes::{DrawContext, Passes};
-use crate::pause::{DrawnPiece, Pause};
-use crate::stages::{FrameStage, Recording};
-use crate::targets::{LitTargets, Targets, Viewers};
-use crate::tile::Tile;
-use crate::wgpu_maps::WgpuMaps;
-use crate::{Aov, Backend, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, position, readback};
+use crate::frame::shared_scene::SharedScene;
+use crate::frame::tiled::{TiledRequest, TiledWork};
+use crate::frame::{Frame, FrameBackend, SceneBackend};
+use crate::native::Native;
+use crate::wgpu::Wgpu;
+use crate::{
+    Device, FileNeeds, PassCounts, PassRun, Picture, Pixels, Recording, RenderError, SampleProgress, ShadowSettings,
+};
 
 /// Draws pictures of one scene at a time, for any number of viewers.
 ///
 /// A light out of the scene's reach ([`light::SceneBounds`]) is left out of the beauty. An AOV of that light is an
 /// error.
 ///
-/// A picture reuses the work of earlier ones: each light's shadow map, and for each [`ViewSlot`] the G-buffer and the
+/// A picture reuses the work of earlier ones: each light's shadow map, and for each [`ViewSlot`] the surfaces and the
 /// picture itself.
 #[derive(Debug)]
-pub struct Renderer {
-    gpu: Arc<Gpu>,
-    pub(crate) passes: Arc<Passes>,
-    view_uniform: Buffer,
-    pub(crate) scene: GpuScene,
-    viewers: Viewers,
-    native_surfaces: SurfacesBuilder,
-    pub(crate) shadow_maps: ShadowMaps,
-    pass_runs: PassRuns,
+pub struct Renderer(Frames);
+
+#[derive(Debug)]
+enum Frames {
+    Wgpu(Box<Frame<Wgpu>>),
+    Native(Box<Frame<Native>>),
+}
+
+/// Scene on a device, which any number of renderers can use. Clones share it.
+#[derive(Clone, Debug)]
+pub struct SceneOnDevice(SharedScenes);
+
+#[derive(Clone, Debug)]
+enum SharedScenes {
+    Wgpu(Arc<SharedScene<Wgpu>>),
+    Native(Arc<SharedScene<Native>>),
+}
+
+/// A picture in progress. Each tile is drawn with all its samples before the next. So the picture needs the memory of
+/// one tile and of the finished pixels, regardless of its size and number of samples.
+///
+/// It has the pixels of [`Renderer::render`], except for the rasterizer's arithmetic at another position on the target.
+/// Dropping it cancels it; [`Renderer::drop_view`] of its slot frees the rest.
+#[derive(Debug)]
+pub struct TiledPicture {
+    request: TiledRequest,
+    /// Work of the backend that draws it; `None` until drawing begins.
+    wgpu: Option<TiledWork<Wgpu>>,
+    native: Option<TiledWork<Native>>,
+}
+
+/// Evaluates an expression with the frame of either backend.
+macro_rules! with_frame {
+    ($renderer:expr, $frame:ident => $work:expr) => {
+        match $renderer {
+            Frames::Wgpu($frame) => $work,
+            Frames::Native($frame) => $work,
+        }
+    };
 }
 
 impl Renderer {
     /// Makes a renderer with an empty scene.
-    pub fn new(gpu: Arc<Gpu>) -> Result<Self, RenderError> {
-        let passes = gpu.with_error_scopes(|| Ok(Passes::new(&gpu)))?;
-        Self::with(gpu, Arc::new(passes))
+    pub fn new(device: &Device) -> Result<Self, RenderError> {
+        Ok(Self(match device {
+            Device::Wgpu(gpu) => Frames::Wgpu(Box::new(Frame::new(Wgpu::new(Arc::clone(gpu))?)?)),
+            Device::Native(cpu) => Frames::Native(Box::new(Frame::new(Native::new(Arc::clone(cpu)))?)),
+        }))
     }
 
     /// Makes a renderer with an empty scene of its own that shares this one's pipelines, including those compiled
     /// later.
     pub fn with_same_pipelines(&self) -> Result<Self, RenderError> {
-        Self::with(Arc::clone(&self.gpu), Arc::clone(&self.passes))
-    }
-
-    fn with(gpu: Arc<Gpu>, passes: Arc<Passes>) -> Result<Self, RenderError> {
-        let (view_uniform, scene) = gpu.with_error_scopes(|| {
-            let view_uniform = gpu.uniform_buffer::<gpu_structs::View>("view");
-            let (layouts, empty) = (&passes.group_layouts, scene::pose(Scene::default(), 0.0));
-            let uploaded = SceneOnDevice::upload(&gpu, layouts, &empty, 0.0)?;
-            let scene = GpuScene::new(&gpu, layouts, &view_uniform, uploaded, 0, 0.0)?;
-            Ok((view_uniform, scene))
-        })?;
-        let (viewers, shadow_maps, ran) = (Viewers::default(), ShadowMaps::new(), PassRuns::default());
-        let native_surfaces = SurfacesBuilder::default();
-        Ok(Self { gpu, passes, view_uniform, scene, viewers, native_surfaces, shadow_maps, pass_runs: ran })
+        Ok(Self(match &self.0 {
+            Frames::Wgpu(frame) => Frames::Wgpu(Box::new(Frame::new(frame.backend.sibling()?)?)),
+            Frames::Native(frame) => Frames::Native(Box::new(Frame::new(frame.backend.sibling()?)?)),
+        }))
     }
 
     /// Sets the scene: its geometry, materials and fill. Its cameras and lights are ignored. On an error the previous
     /// scene stays.
     pub fn set_scene(&mut self, scene: &Arc<PosedScene>) -> Result<(), RenderError> {
-        let mesh_error = self.shadow_maps.shadows().mesh_error;
-        let layouts = &self.passes.group_layouts;
-        let uploaded = self.gpu.with_error_scopes(|| SceneOnDevice::upload(&self.gpu, layouts, scene, mesh_error))?;
-        self.share_scene(uploaded)
+        with_frame!(&mut self.0, frame => frame.set_scene(scene))
     }
 
-    /// Sets a scene that another renderer on this device has uploaded, without a copy.
+    /// Sets a scene that another renderer on this device has uploaded, without a copy. Panics if it is on another
+    /// device's backend.
     pub fn share_scene(&mut self, uploaded: SceneOnDevice) -> Result<(), RenderError> {
-        let (revision, mesh_error) = (self.scene.revision + 1, self.shadow_maps.shadows().mesh_error);
-        let layouts = &self.passes.group_layouts;
-        self.scene = self.gpu.with_error_scopes(|| {
-            GpuScene::new(&self.gpu, layouts, &self.view_uniform, uploaded, revision, mesh_error)
-        })?;
-        Ok(())
+        match (&mut self.0, uploaded.0) {
+            (Frames::Wgpu(frame), SharedScenes::Wgpu(scene)) => frame.share_scene(scene),
+            (Frames::Native(frame), SharedScenes::Native(scene)) => frame.share_scene(scene),
+            _ => panic!("the scene is on another backend"),
+        }
     }
 
     /// Returns the uploaded scene, for [`Self::share_scene`].
     pub fn scene_on_device(&self) -> SceneOnDevice {
-        self.scene.on_device().clone()
+        SceneOnDevice(match &self.0 {
+            Frames::Wgpu(frame) => SharedScenes::Wgpu(Arc::clone(frame.scene.shared())),
+            Frames::Native(frame) => SharedScenes::Native(Arc::clone(frame.scene.shared())),
+        })
     }
 
     /// Sets the shadow settings for later pictures. On an error the previous settings stay.
     pub fn set_shadow_settings(&mut self, shadows: ShadowSettings) -> Result<(), RenderError> {
-        let limit = self.gpu.device.limits().max_texture_dimension_2d;
-        RenderError::check_size("the resolution of shadow maps", shadows.resolution.into(), limit.into())?;
-        shadows.check()?;
-        if shadows.mesh_error != self.shadow_maps.shadows().mesh_error {
-            let simplify = || self.scene.casters_within(&self.gpu, shadows.mesh_error);
-            self.scene.casters = self.gpu.with_error_scopes(simplify)?.into();
-        }
-        if self.shadow_maps.set_shadows(shadows) {
-            self.viewers = Viewers::default();
-        }
-        Ok(())
+        with_frame!(&mut self.0, frame => frame.set_shadow_settings(shadows))
     }
 
     /// Returns the number of runs of each pass.
     pub fn counts(&self) -> PassCounts {
-        self.pass_runs.counts
+        with_frame!(&self.0, frame => frame.pass_runs.counts)
     }
 
     /// Returns the passes that ran for the latest picture, with their causes. For a picture drawn in several slices of
     /// time, returns those of the latest slice.
     pub fn runs(&self) -> &[PassRun] {
-        &self.pass_runs.runs
+        with_frame!(&self.0, frame => &frame.pass_runs.runs)
     }
 
     /// Drops a viewer's cached data and frees its memory. The viewer's next picture starts from scratch.
     pub fn drop_view(&mut self, slot: ViewSlot) {
-        self.viewers.drop_view(slot);
-        self.shadow_maps.drop_view(slot);
-        self.gpu.free_dropped_memory();
+        with_frame!(&mut self.0, frame => frame.drop_view(slot));
     }
 
     /// Frees the memory of dropped renderers on this device.
     pub fn free_dropped_memory(&self) {
-        self.gpu.free_dropped_memory();
+        with_frame!(&self.0, frame => frame.backend.free_dropped_memory());
     }
 
     /// Releases the lights of `slot`. Their maps stay, but are the first to be evicted.
     pub fn release_view(&mut self, slot: ViewSlot) {
-        self.shadow_maps.release_view(slot);
+        with_frame!(&mut self.0, frame => frame.shadow_maps.release_view(slot));
     }
 
     /// Draws the raw values of `view` under `lights`.
     pub fn render(&mut self, view: &View, lights: &[LightInstance]) -> Result<Picture, RenderError> {
-        let aov = position::rendered_aov(view.aov);
-        let pixels =
-            self.with_whole(view, aov, lights, |renderer, gpu, targets| renderer.read_raw(gpu, targets, targets.size))?;
-        let mut picture = Picture { width: view.width, height: view.height, pixels };
-        if view.aov == Aov::Position {
-            position::from_depths(view, &mut picture);
-        }
-        Ok(picture)
+        with_frame!(&mut self.0, frame => frame.render(view, lights))
+    }
+
+    /// True if [`Self::render_display`] caches layers for such a picture: it has one sample per pixel, and the layers
+    /// of `light_count` lights and their sums take at most half of the [`crate::MemoryBudget`].
+    pub fn keeps_layers(&self, view: &View, light_count: usize) -> bool {
+        with_frame!(&self.0, frame => frame.keeps_layers(view, light_count))
+    }
+
+    /// Draws the beauty of `view` under `lights` for a screen, regardless of `view.aov`: exposed, tone-mapped, sRGB,
+    /// RGBA, 8 bits per channel, rows from the top.
+    ///
+    /// With layers ([`Self::keeps_layers`]), an edit of a factor of a light's whole radiance draws only the sum, and
+    /// another edit draws the edited light. Otherwise lights are added to the picture one after another, as in
+    /// [`Self::render`].
+    pub fn render_display(&mut self, view: &View, lights: &[LightInstance]) -> Result<Vec<u8>, RenderError> {
+        with_frame!(&mut self.0, frame => frame.render_display(view, lights))
+    }
+
+    /// Works on [`Self::render_display`] for about `aim`, until the current piece of work is done: the surfaces, a
+    /// shadow map, or a light over the whole picture. Pending if work is left. Another call with the same arguments
+    /// continues, and draws again only what was evicted meanwhile.
+    pub fn advance_display(
+        &mut self,
+        view: &View,
+        lights: &[LightInstance],
+        aim: Duration,
+    ) -> Result<Poll<Vec<u8>>, RenderError> {
+        with_frame!(&mut self.0, frame => frame.advance_display(view, lights, aim))
     }
 
     /// Draws the same picture as [`Self::render_display`], stage by stage. Each stage is submitted and waited for, so
@@ -157,243 +179,96 @@ impl Renderer {
         view: &View,
         lights: &[LightInstance],
     ) -> Result<(Vec<u8>, Recording), RenderError> {
-        self.gpu.stages.start();
-        let bytes = self.render_display(view, lights);
-        let recording = self.gpu.stages.stop();
-        Ok((bytes?, recording))
+        with_frame!(&mut self.0, frame => frame.record_display(view, lights))
+    }
+
+    /// Draws `view` under `lights` in the form that files need, with the values of [`Self::render`], in the memory of
+    /// one tile. Calls `sampled` with the progress after each sample of a tile and at the end.
+    pub fn render_for_files(
+        &mut self,
+        view: &View,
+        lights: &[LightInstance],
+        needs: FileNeeds,
+        sampled: impl FnMut(SampleProgress),
+    ) -> Result<Pixels, RenderError> {
+        with_frame!(&mut self.0, frame => frame.render_for_files(view, lights, needs, sampled))
+    }
+
+    /// Works on `picture` for about `aim`, until the current piece of work is done: a shadow map, or one light over a
+    /// tile. The time of these pieces determines the sizes of tiles. Returns true if the picture is finished.
+    ///
+    /// After an error the picture is unusable.
+    pub fn advance_tiled(&mut self, picture: &mut TiledPicture, aim: Duration) -> Result<bool, RenderError> {
+        let TiledPicture { request, wgpu, native } = picture;
+        match &mut self.0 {
+            Frames::Wgpu(frame) => frame.advance_tiled(request, wgpu, aim),
+            Frames::Native(frame) => frame.advance_tiled(request, native, aim),
+        }
     }
 
     /// Marks all cached results as invalid, and keeps their memory.
     pub fn invalidate(&mut self) {
-        self.viewers.invalidate();
-        self.shadow_maps.invalidate();
+        with_frame!(&mut self.0, frame => frame.invalidate());
     }
 
-    /// Reads back the raw values of the upper left corner of `targets`.
-    pub(crate) fn read_raw(&self, gpu: &Gpu, targets: &Targets, size: [u32; 2]) -> Result<Vec<[f32; 4]>, RenderError> {
-        match gpu.backend() {
-            Backend::Wgpu => readback::read(gpu, &targets.lit(gpu, &self.passes).radiance, size),
-            Backend::Native => Ok(targets.native.radiance().to_vec()),
+    /// Draws the common kinds of screen pictures once, in a small scene: drivers compile a pipeline at its first draw.
+    /// Serves every renderer that shares the pipelines. The native backend has none.
+    ///
+    /// Each set of features of a BendyLight is a pipeline of its own. This covers lights of up to 4 segments with
+    /// defaults otherwise. The first picture with other features or with an AOV waits for its pipeline.
+    ///
+    /// Ends early, between two pictures, if `keep_going` returns false.
+    pub fn compile_pipelines(&self, keep_going: impl FnMut() -> bool) -> Result<(), RenderError> {
+        match &self.0 {
+            Frames::Wgpu(frame) => crate::wgpu::compile_pipelines(&frame.backend, keep_going),
+            Frames::Native(_) => Ok(()),
         }
-    }
-
-    /// Tone-maps the upper left corner of the beauty in `targets`, with `exposure` in stops, and reads it back.
-    pub(crate) fn read_display(
-        &mut self,
-        gpu: &Gpu,
-        targets: &Targets,
-        size: [u32; 2],
-        exposure: f64,
-    ) -> Result<Vec<u8>, RenderError> {
-        if gpu.backend() == Backend::Native {
-            return Ok(self.display_natively(gpu, targets, exposure));
-        }
-        let mut encoder = gpu.encoder();
-        targets.draw_display(gpu, &mut encoder, &self.passes, None, exposure);
-        gpu.end_stage(&mut encoder, FrameStage::Display)?;
-        gpu.queue.submit([encoder.finish()]);
-        self.pass_runs.note(Pass::Display, None, Cause::NotKept);
-        read_display_texture(gpu, targets.lit(gpu, &self.passes), size)
-    }
-
-    /// Draws the whole picture of `aov` for `view` into the targets of its slot, then runs `work` on them.
-    fn with_whole<T>(
-        &mut self,
-        view: &View,
-        aov: Aov,
-        lights: &[LightInstance],
-        work: impl FnOnce(&mut Self, &Gpu, &Targets) -> Result<T, RenderError>,
-    ) -> Result<T, RenderError> {
-        // Refuses an impossible picture before any cached data changes.
-        let drawing = CheckedPicture::new(&View { aov, ..view.clone() }, lights)?;
-        let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
-        self.run_or_discard(view.slot, |renderer, gpu| {
-            gpu.memory.begin_picture();
-            let mut targets = renderer.viewers.take(gpu, &drawing.view)?;
-            while !renderer.draw_sample(gpu, &mut targets, &drawing, tile, None)? {}
-            let result = work(renderer, gpu, &targets)?;
-            renderer.shadow_maps.finish(view.slot);
-            renderer.viewers.put(gpu, view.slot, targets);
-            Ok(result)
-        })
-    }
-
-    /// Draws the next sample of `drawing` in `tile`, or a part of it if `pause` returns true between two pieces of
-    /// work. Returns true if nothing is left.
-    pub(crate) fn draw_sample(
-        &mut self,
-        gpu: &Gpu,
-        targets: &mut Targets,
-        drawing: &CheckedPicture,
-        tile: Tile,
-        pause: Option<Pause>,
-    ) -> Result<bool, RenderError> {
-        if gpu.backend() == Backend::Native {
-            return self.draw_sample_natively(gpu, targets, drawing, tile, pause);
-        }
-        let CheckedPicture { view, raster, light_range: needed, samples, .. } = drawing;
-        let lights = &self.straightened_lights(view.aov, &drawing.lights);
-        let Self { passes, scene, shadow_maps, pass_runs: ran, view_uniform, .. } = self;
-        let (passes, scene) = (&**passes, &*scene);
-        shadow_maps.begin(view.slot, &lights[needed.clone()], scene.revision);
-        targets.begin(scene.revision, view, tile, lights);
-        let (sample, clear) = (targets.samples_drawn, targets.samples_drawn == 0);
-        if sample == *samples {
-            return Ok(true);
-        }
-        if view.aov == Aov::Wireframe {
-            let onto = WireframeOnto::Wgpu(&targets.lit(gpu, passes).radiance_view);
-            let context = DrawContext { gpu, passes, scene, raster, tile };
-            shadow_maps.draw_wireframe(&context, &lights[view.light].light, onto)?;
-            ran.note(Pass::ShadowMap, Some(lights[view.light].id), Cause::NotKept);
-            targets.samples_drawn = *samples;
-            return Ok(true);
-        }
-        let offset = sample_offset(sample, *samples);
-        let weight = 1.0 / *samples as f32;
-        let uniform = raster.uniform(offset, weight, view.fill, scene.posed.origin_in_world, [tile.x, tile.y])?;
-        gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
-        let mut encoder = gpu.encoder();
-        let context = DrawContext { gpu, passes, scene, raster, tile };
-        let mut base = targets.lights_drawn.is_none();
-        if base && let Some(cause) = targets.draw_gbuffer(&context, &mut encoder, offset)? {
-            ran.note(Pass::Gbuffer, None, cause);
-            gpu.end_stage(&mut encoder, FrameStage::Gbuffer)?;
-        }
-        let mut batch = Vec::new();
-        let first = needed.start + targets.lights_drawn.unwrap_or(0);
-        for (index, light) in lights.iter().enumerate().take(needed.end).skip(first) {
-            if view.aov == Aov::Beauty && light.light.light_profile().is_dark() {
-                continue;
-            }
-            let mut maps = WgpuMaps { gpu, passes, encoder: &mut encoder };
-            let ready = match shadow_maps.ready_light(&mut maps, &context, light, view.shadow_map) {
-                // The other lights still count; `light::SceneBounds` reports this one to callers that ask.
-                Err(RenderError::OutOfReach(_)) if view.aov == Aov::Beauty => continue,
-                ready => ready?,
-            };
-            // The light reaches no visible surface.
-            let Some(ready) = ready else { continue };
-            if let Some(cause) = ready.shadow_map_cause {
-                ran.note(Pass::ShadowMap, Some(light.id), cause);
-            }
-            let (drawn, is_transient) = (ready.shadow_map_cause.is_some(), ready.transient_map.is_some());
-            if drawn
-                && !is_transient
-                && let Some(pause) = pause
-            {
-                // The map is cached, so the light can wait.
-                gpu.submit_and_wait(&mut encoder)?;
-                if pause(DrawnPiece::ShadowMap) {
-                    // The next call finds the G-buffer by its key, and the light's map by its own.
-                    return Ok(false);
-                }
-            }
-            batch.push(ready);
-            // A map without room in the budget must be freed before the next one is drawn.
-            if is_transient || pause.is_some() {
-                targets.draw_lighting(&context, &mut encoder, view.aov, base, base && clear, &batch)?;
-                gpu.submit_and_wait(&mut encoder)?;
-                batch.clear();
-                base = false;
-                targets.lights_drawn = Some(index + 1 - needed.start);
-                if index + 1 < needed.end && pause.is_some_and(|pause| pause(DrawnPiece::Pixels)) {
-                    return Ok(false);
-                }
-            }
-        }
-        if base || !batch.is_empty() {
-            targets.draw_lighting(&context, &mut encoder, view.aov, base, base && clear, &batch)?;
-        }
-        gpu.queue.submit([encoder.finish()]);
-        ran.note(Pass::Lighting, None, Cause::NotKept);
-        targets.samples_drawn = sample + 1;
-        targets.lights_drawn = None;
-        if sample + 1 < *samples || pause.is_some() {
-            // Submission is quick: without waiting, all samples would be in flight at once.
-            gpu.wait()?;
-        }
-        Ok(sample + 1 == *samples)
-    }
-
-    /// Returns the lights for pictures of `aov`. A straight BendyLight is replaced by the equal spotlight, unless the
-    /// AOV shows positions along the curve.
-    fn straightened_lights(&self, aov: Aov, lights: &[LightInstance]) -> Vec<LightInstance> {
-        let shows_curve = matches!(aov, Aov::T | Aov::Wireframe);
-        let reach = self.scene.posed.bounds();
-        let straightened = |light: &CheckedLight| {
-            let spot = light.equivalent_spotlight().filter(|_| self.shadow_maps.shadows().straighten && !shows_curve);
-            // The curve may reach farther than can be drawn. The spotlight has no end points that could.
-            spot.filter(|_| reach.check(light).is_ok()).cloned()
-        };
-        let drawn = |LightInstance { id, light }: &LightInstance| LightInstance {
-            id: *id,
-            light: straightened(light).unwrap_or_else(|| Arc::clone(light)),
-        };
-        lights.iter().map(drawn).collect()
-    }
-
-    /// Runs `work`. On an error, discards data that it may have left incomplete.
-    pub(crate) fn run_or_discard<T>(
-        &mut self,
-        slot: ViewSlot,
-        work: impl FnOnce(&mut Self, &Gpu) -> Result<T, RenderError>,
-    ) -> Result<T, RenderError> {
-        let gpu = Arc::clone(&self.gpu);
-        self.pass_runs.runs.clear();
-        let result = gpu.with_error_scopes(|| work(self, &gpu));
-        match &result {
-            Ok(_) => {}
-            Err(RenderError::Cancelled) => {
-                // The cancelled work had taken its data out of the caches, so the data is gone.
-                self.viewers.drop_view(slot);
-                self.shadow_maps.bent_buffers.clear_deferred();
-            }
-            Err(_) => {
-                self.viewers.drop_view(slot);
-                self.shadow_maps.clear();
-            }
-        }
-        result
     }
 }
 
-/// Reads back the upper left corner of the screen texture.
-fn read_display_texture(gpu: &Gpu, lit: &LitTargets, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
-    let bytes = readback::read::<[u8; 4]>(gpu, &lit.display, size)?.into_flattened();
-    gpu.stages.record_stage(FrameStage::Readback);
-    gpu.stages.count(|counters| counters.bytes += bytes.len() as u64);
-    Ok(bytes)
-}
+impl TiledPicture {
+    /// Begins a picture of the beauty of `view` under `lights` for a screen, regardless of `view.aov`. Nothing is drawn
+    /// yet.
+    pub fn for_screen(view: &View, lights: &[LightInstance]) -> Result<Self, RenderError> {
+        TiledRequest::for_screen(view, lights).map(Self::new)
+    }
 
-#[derive(Clone, Debug)]
-pub(crate) struct CheckedPicture {
-    pub view: View,
-    pub lights: Vec<LightInstance>,
-    pub raster: CameraRaster,
-    /// Indices of the lights that the picture needs.
-    pub light_range: Range<usize>,
-    pub samples: u32,
-}
+    /// Begins a picture of `view` under `lights`, in the form that files need. Nothing is drawn yet.
+    pub fn for_files(view: &View, lights: &[LightInstance], needs: FileNeeds) -> Result<Self, RenderError> {
+        TiledRequest::for_files(view, lights, needs).map(Self::new)
+    }
 
-impl CheckedPicture {
-    pub fn new(view: &View, lights: &[LightInstance]) -> Result<Self, RenderError> {
-        Ok(Self {
-            raster: CameraRaster::new(view)?,
-            light_range: required_lights(view.aov, view.light, lights.len())?,
-            samples: if view.aov.can_be_multisampled() { view.samples } else { 1 },
-            view: view.clone(),
-            lights: lights.to_vec(),
-        })
+    fn new(request: TiledRequest) -> Self {
+        Self { request, wgpu: None, native: None }
+    }
+
+    pub fn progress(&self) -> SampleProgress {
+        self.request.progress()
+    }
+
+    /// Returns the pixels drawn so far.
+    pub fn into_pixels(self) -> Pixels {
+        self.request.into_pixels()
     }
 }
 
-/// Returns the range of indices of the lights that `aov` needs: all lights, its own light, or none.
-fn required_lights(aov: Aov, index: usize, count: usize) -> Result<Range<usize>, RenderError> {
-    match aov {
-        Aov::Beauty => Ok(0..count),
-        Aov::Depth | Aov::Normal | Aov::Position => Ok(0..0),
-        _ if index < count => Ok(index..index + 1),
-        _ => Err(RenderError::NoSuchLight { index, count }),
+#[cfg(test)]
+impl Renderer {
+    /// Returns the frame on the GPU, to inspect data and to plant faults. A test that plants a fault has to do so before
+    /// the first picture.
+    pub(crate) fn wgpu(&mut self) -> &mut Frame<Wgpu> {
+        let Frames::Wgpu(frame) = &mut self.0 else { panic!("the renderer is on the CPU") };
+        frame
+    }
+
+    /// Returns the clusters of the scene's casters, on either backend.
+    pub(crate) fn clusters(&mut self) -> &mut shadow::Clusters {
+        with_frame!(&mut self.0, frame => &mut Arc::make_mut(&mut frame.scene.casters).clusters)
+    }
+
+    /// Returns the frame on the CPU, as [`Self::wgpu`].
+    pub(crate) fn native(&mut self) -> &mut Frame<Native> {
+        let Frames::Native(frame) = &mut self.0 else { panic!("the renderer is on the GPU") };
+        frame
     }
 }

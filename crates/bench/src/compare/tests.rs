@@ -1,11 +1,11 @@
 //! Tests that the comparison passes correct pictures and detects wrong ones.
 
-use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
+use std::sync::{LazyLock, Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
 use light::Light;
 use light::parameters::TRANSLATION;
-use render::{Backend, Gpu, MemoryBudget, Renderer, ShadowSettings};
+use render::{Backend, Device, Host, Renderer, ShadowSettings};
 
 use super::{Comparison, ComparisonSubject, ExpectedPicture, PixelVerdict, RenderedSubject};
 use crate::shadow::scenes;
@@ -22,8 +22,8 @@ fn drawn(subject: &ComparisonSubject) -> RenderedSubject {
 
 fn drawn_by(backend: Backend, subject: &ComparisonSubject) -> RenderedSubject {
     static SHARED: [OnceLock<Mutex<Renderer>>; 2] = [const { OnceLock::new() }; 2];
-    let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
-    let shared = || Mutex::new(Renderer::new(Arc::new(open())).expect("the device works"));
+    let open = || Device::open(Host::default(), Some(backend)).expect("tests need a graphics driver");
+    let shared = || Mutex::new(Renderer::new(&open()).expect("the device works"));
     let mut renderer = SHARED[backend as usize].get_or_init(shared).lock().unwrap_or_else(PoisonError::into_inner);
     renderer.set_scene(&scene::pose(subject.scene.clone(), 0.0)).expect("fits");
     RenderedSubject::new(&mut renderer, subject, ShadowSettings::default()).expect("drawn")

@@ -108,8 +108,8 @@ pub fn run(
     let growth = options.growth.map_or_else(|| Ok(Vec::new()), |plan| growth::measured(&mut bench, plan))?;
     let main = &bench.backends[0];
     let report = FrameBenchReport {
-        adapter: main.gpu.adapter_name().into(),
-        driver: main.gpu.driver().into(),
+        adapter: main.device.name(),
+        driver: main.device.driver().into(),
         backend: main.backend(),
         scene: subject.name.clone(),
         triangles: subject.posed.triangle_count(),

@@ -2,21 +2,21 @@
 
 use std::sync::Arc;
 
-use render::{Backend, Gpu, MemoryBudget, RenderError, Renderer, StageCost, Stopwatch};
+use render::{Backend, Device, Host, RenderError, Renderer, StageCost, Stopwatch};
 use scene::PosedScene;
 
 use super::subject::FrameRequest;
 
 /// A device, and a renderer on it with one backend.
 pub(super) struct MeasuredBackend {
-    pub gpu: Arc<Gpu>,
+    pub device: Device,
     pub renderer: Renderer,
 }
 
 impl MeasuredBackend {
     /// Returns the name of the backend in reports.
     pub fn backend(&self) -> &'static str {
-        self.gpu.backend().name()
+        self.device.backend().name()
     }
 }
 
@@ -24,7 +24,7 @@ impl MeasuredBackend {
 pub(crate) fn backends(wanted: Option<Backend>) -> Result<Vec<Backend>, RenderError> {
     let main = match wanted {
         Some(backend) => backend,
-        None => Gpu::open(MemoryBudget::default(), None)?.backend(),
+        None => Device::open(Host::default(), None)?.backend(),
     };
     Ok([main].into_iter().chain((main != Backend::Wgpu).then_some(Backend::Wgpu)).collect())
 }
@@ -35,10 +35,10 @@ pub(super) fn open_backends(
     scene: &Arc<PosedScene>,
 ) -> Result<Vec<MeasuredBackend>, RenderError> {
     let open = |backend| {
-        let gpu = Arc::new(Gpu::open(MemoryBudget::default(), Some(backend))?);
-        let mut renderer = Renderer::new(Arc::clone(&gpu))?;
+        let device = Device::open(Host::default(), Some(backend))?;
+        let mut renderer = Renderer::new(&device)?;
         renderer.set_scene(scene)?;
-        Ok(MeasuredBackend { gpu, renderer })
+        Ok(MeasuredBackend { device, renderer })
     };
     backends(wanted)?.into_iter().map(open).collect()
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use render::{FrameStage, Gpu, Recording, Renderer, ShadowFilter, ShadowSettings};
+use render::{Device, FrameStage, Gpu, Recording, Renderer, ShadowFilter, ShadowSettings};
 use serde::Serialize;
 
 use crate::compare::{Comparison, ComparisonSubject, ExpectedPicture, RenderedSubject};
@@ -117,7 +117,7 @@ pub fn run(
     pictures: Option<&Path>,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<(ShadowBenchReport, String), BenchError> {
-    let mut renderer = Renderer::new(Arc::clone(gpu))?;
+    let mut renderer = Renderer::new(&Device::Wgpu(Arc::clone(gpu)))?;
     let subjects = scenes::subjects(width, height);
     // Every scene has the same number of runs; the reference's picture is one step more.
     let steps = all_settings(1.0).len() + 1;

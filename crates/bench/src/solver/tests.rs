@@ -1,5 +1,5 @@
 use glam::DVec3;
-use render::Gpu;
+use render::{Gpu, Host};
 
 use relight::{SolverBatch, solve_batch};
 
@@ -159,7 +159,7 @@ fn says_what_the_docs_say(report: &SolverBenchReport) {
 /// product's.
 #[test]
 fn whole_run() {
-    let gpu = Gpu::new().expect("a GPU, be it software");
+    let gpu = Gpu::open(Host::default()).expect("a GPU, be it software");
     let judged = std::sync::atomic::AtomicUsize::new(0);
     let (report, svg) = run(300, &METHODS, Some(&gpu), |Progress { done, of, .. }| {
         assert!(done <= of);

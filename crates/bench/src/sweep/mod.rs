@@ -12,7 +12,6 @@ mod pose;
 mod stage;
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Instant;
 
 use fastrand::Rng;
@@ -20,7 +19,7 @@ use glam::{DVec2, DVec3, UVec2};
 use light::parameters::CONE_ANGLE;
 use light::{CheckedLight, Light, LightInstance, ParameterOwner};
 use reference::{LinkedReferenceLight, ReferenceLight, ShadedPoint};
-use render::{Backend, Gpu, MemoryBudget, Renderer, ShadowSettings};
+use render::{Backend, Device, Host, Renderer, ShadowSettings};
 use scene::{Aov, Camera, Scene, View};
 use serde::Serialize;
 
@@ -173,11 +172,10 @@ pub struct PoseResult {
 /// Draws random poses of each shape of light with both backends, and compares the shadows with the reference. Returns
 /// the report and the chart in SVG.
 pub fn run(options: &SweepOptions, progress: impl Fn(Progress)) -> Result<(SweepReport, String), BenchError> {
-    let open = |backend| Ok(Arc::new(Gpu::open(MemoryBudget::default(), Some(backend))?));
-    let gpus = BACKENDS.into_iter().map(open).collect::<Result<Vec<_>, BenchError>>()?;
-    let mut renderers: Vec<Renderer> =
-        gpus.iter().map(|gpu| Renderer::new(Arc::clone(gpu))).collect::<Result<_, _>>()?;
-    let report = sweep(&mut renderers, gpus[0].adapter_name(), options, progress)?;
+    let open = |backend| Ok(Device::open(Host::default(), Some(backend))?);
+    let devices = BACKENDS.into_iter().map(open).collect::<Result<Vec<_>, BenchError>>()?;
+    let mut renderers: Vec<Renderer> = devices.iter().map(Renderer::new).collect::<Result<_, _>>()?;
+    let report = sweep(&mut renderers, &devices[0].name(), options, progress)?;
     let chart = chart::draw(&report)?;
     Ok((report, chart))
 }

@@ -38,6 +38,6 @@ pub fn run(args: &Args) -> Result<(), Error> {
     cli::restart_without_window_system();
     cli::make_folder(args.pictures.as_deref())?;
     let (size, pictures) = ([args.size.width, args.size.height], args.pictures.as_deref());
-    let gpu = gpu::open()?;
+    let gpu = gpu::open_gpu()?;
     measure(args.output.as_deref(), |progress| shadow::run(&gpu, size, pictures, progress)).map(drop)
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use ::bench::solver::{self, METHODS, Method};
-use render::Gpu;
+use render::{Gpu, Host};
 
 use super::measure;
 use crate::error::Error;
@@ -46,7 +46,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     cli::restart_without_window_system();
     let methods = if args.only.is_empty() { &METHODS[..] } else { &args.only };
     // The CPU's figures are useful even without an adapter.
-    let gpu = Gpu::new().ok();
+    let gpu = Gpu::open(Host::default()).ok();
     let report = measure(args.output.as_deref(), |progress| solver::run(args.inputs, methods, gpu.as_ref(), progress))?;
     let (wrong, nan) = (report.ours.wrong, report.ours.nan);
     if wrong + nan > 0 { Err(Error::SolverWrong { wrong, nan }) } else { Ok(()) }

@@ -75,10 +75,8 @@ fn random_lights_are_swept_over() {
 fn wrong_drags(report: &Value, said: &str, backends: &[&str]) -> Vec<String> {
     let drags = report["drags"].as_array().expect("drags");
     let found: Vec<_> = drags.iter().filter_map(|drag| drag["backend"].as_str()).collect();
-    let drawn: Vec<_> = said
-        .lines()
-        .filter_map(|line| line.rsplit_once("shadows and lights by ").map(|(_, backend)| backend.trim()))
-        .collect();
+    let drawn: Vec<_> =
+        said.lines().filter_map(|line| line.rsplit_once(", backend ").map(|(_, backend)| backend.trim())).collect();
     let mut wrong = Vec::new();
     if found != backends {
         wrong.push(format!("the report has {found:?}"));

@@ -195,7 +195,7 @@ fn render_writes_png_for_people() {
     assert_eq!(again.get_pixel(32, 26).0[..3], [255; 3], "written over: nothing stands before the triangle");
 }
 
-/// Both backends show all of the camera's frame. Without `--size` the picture has the frame's shape.
+/// All backends show all of the camera's frame. Without `--size` the picture has the frame's shape.
 #[test]
 fn render_keeps_what_the_camera_frames() {
     let folder = Folder::new();
@@ -217,7 +217,7 @@ fn render_keeps_what_the_camera_frames() {
     };
     // At half its height the triangle is 1 wide: 1 / 2.4 of the width. A square picture shows all of it, 2 high
     // in 2.4, except for its tip, which lies half a pixel beside the middle column.
-    for backend in ["gpu", "reference"] {
+    for backend in ["native", "wgpu", "reference"] {
         let square = covered(&["--size", "240x240", "--backend", backend]);
         assert_eq!(square, ((240, 240), 100, 199), "{backend}");
         let wide = covered(&["--size", "480x80", "--backend", backend]);
@@ -229,7 +229,7 @@ fn render_keeps_what_the_camera_frames() {
     assert_eq!(covered(&[]).0, (640, 360), "a camera that does not say: 16:9, to the pixel");
 }
 
-/// In both backends `--fill 0` leaves the light's own radiance, and the rest is the fill.
+/// In all backends `--fill 0` leaves the light's own radiance, and the rest is the fill.
 #[test]
 fn render_takes_the_fill_away() {
     let folder = Folder::new();
@@ -239,18 +239,25 @@ fn render_takes_the_fill_away() {
         printed(&[&render[..], &["--backend", backend, "--fill", fill]].concat());
         exr_channels::beauty(&picture)
     };
-    let [gpu, reference] = ["gpu", "reference"].map(|backend| ["0", "1"].map(|fill| drawn(backend, fill)));
+    let [native, wgpu, reference] =
+        ["native", "wgpu", "reference"].map(|backend| ["0", "1"].map(|fill| drawn(backend, fill)));
+    assert_fill_is_added(&native, &reference);
+    assert_fill_is_added(&wgpu, &reference);
+}
+
+/// Asserts that pictures without and with the fill differ by it, as those of the reference do.
+fn assert_fill_is_added(drawn: &[image::Rgba32FImage; 2], reference: &[image::Rgba32FImage; 2]) {
     let (mut dark, mut differ) = (0, 0);
-    for (x, y, [_, _, _, covered]) in gpu[0].enumerate_pixels().map(|(x, y, pixel)| (x, y, pixel.0)) {
+    for (x, y, [_, _, _, covered]) in drawn[0].enumerate_pixels().map(|(x, y, pixel)| (x, y, pixel.0)) {
         let at = |pictures: &[image::Rgba32FImage; 2]| {
             [0, 1, 2].map(|c| {
                 (pictures[0].get_pixel(x, y)[c], pictures[1].get_pixel(x, y)[c] - pictures[0].get_pixel(x, y)[c])
             })
         };
-        let (ours, truth) = (at(&gpu), at(&reference));
+        let (ours, truth) = (at(drawn), at(reference));
         let is_dark = |pixel: [(f32, f32); 3]| pixel.iter().all(|(alone, _)| *alone == 0.0);
         dark += u32::from(covered == 1.0 && is_dark(ours) && is_dark(truth));
-        // The fill is at most 0.145 times a color. The GPU stores a color's square root in 13 bits, a step of
+        // The fill is at most 0.145 times a color. A surface stores a color's square root in 13 bits, a step of
         // 2.5e-4, and a normal to 2^-15. The reference rounds once, but to the f32 of a sum with up to 4 of
         // light.
         let far = ours.iter().zip(&truth).any(|((_, ours), (_, truth))| (ours - truth).abs() > 0.145 * 4e-4);
@@ -267,7 +274,7 @@ fn render_takes_the_fill_away() {
 #[test]
 fn render_says_how_far_it_is() {
     let folder = Folder::new();
-    for backend in ["gpu", "reference"] {
+    for backend in ["native", "reference"] {
         let picture = |name: &str| folder.path(&format!("{backend}-{name}.exr"));
         let render = |out: &str| format!("render demo:vases --size 160x90 --samples 16 --backend {backend} -o {out}");
         let command = format!("{} {}", binary().display(), render(&picture("seen")));

@@ -95,7 +95,9 @@ fn the_units_keep_compiled_shaders() {
         "64" => "1".into(),
         _ => word,
     };
-    let words = command(unit, &root).into_iter().map(small);
+    // Without a GPU the program would compile no shaders by itself.
+    let wgpu = ["--backend", "wgpu"].map(String::from);
+    let words = command(unit, &root).into_iter().map(small).chain(wgpu);
     let environment = setting(unit, "Environment=", &root);
     let (name, cache) = environment.split_once('=').expect("a setting");
     let mut render = Command::new(binary());

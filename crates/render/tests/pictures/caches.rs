@@ -1,7 +1,5 @@
 //! Tests of caches: the passes that each change runs again.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, EXPOSURE, INTENSITY, RANGE, TRANSLATION};
 use light::{Light, LightInstance, Setting};
@@ -9,7 +7,7 @@ use render::{Aov, Backend, MapScale, PassCounts, Picture, RenderError, Renderer,
 use scene::{Material, Scene};
 
 use crate::support::{
-    BACKENDS, floor, gpu_of, instances, oblique, picture, renderer, renderer_of, scene_of, since, spot, tables, view,
+    BACKENDS, device_of, floor, instances, oblique, picture, renderer, renderer_of, scene_of, since, spot, tables, view,
 };
 
 fn seen(aov: Aov) -> View {
@@ -258,13 +256,13 @@ fn a_failed_scene_leaves_the_one_before() {
 
 #[test]
 fn renderers_share_a_device() {
-    let gpu = gpu_of(Backend::Wgpu);
+    let device = device_of(Backend::Wgpu);
     let view = seen(Aov::Depth);
-    let mut empty = Renderer::new(Arc::clone(&gpu)).unwrap();
+    let mut empty = Renderer::new(&device).unwrap();
     let mut full = renderer(&tables());
     assert!(full.render(&view, &[]).unwrap().pixels.iter().any(|p| p[3] == 1.0));
     assert!(empty.render(&view, &[]).unwrap().pixels.iter().all(|p| *p == [0.0; 4]));
-    assert!(!gpu.adapter_name().is_empty());
+    assert!(!device.name().is_empty());
 
     // Shared pipelines, but each renderer has its own scene, viewers and counts.
     let mut another = full.with_same_pipelines().unwrap();

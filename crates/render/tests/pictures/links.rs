@@ -1,12 +1,10 @@
 //! Tests of links: the nodes that a light lights, and those that cast its shadows. `tests/links.rs` tests the
 //! reference.
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, DECAY, LIGHT_LINK, RANGE, SHADOW_LINK};
 use light::{Decay, Light, Links, ParameterKey};
-use render::{Aov, Gpu, MemoryKind, Picture, View};
+use render::{Aov, Device, Host, MemoryKind, Picture, View};
 use scene::{Material, Mesh, Node, Scene};
 
 use crate::support::{instances, picture, renderer, renderer_on, since, spot, square, view};
@@ -172,12 +170,12 @@ fn another_scene_may_have_the_node() {
 /// Lights without links store nothing for them, lights with the same links share it, and unused data is freed.
 #[test]
 fn only_lights_with_links_take_room() {
-    let gpu = Arc::new(Gpu::new().expect("a graphics driver"));
-    let mut renderer = renderer_on(Arc::clone(&gpu), &tables());
+    let device = Device::open(Host::default(), None).expect("a device");
+    let mut renderer = renderer_on(&device, &tables());
     let [key, bent] = keys();
     let mut taken = |lights: &[Light]| {
         renderer.render(&seen(Aov::Beauty), &instances(lights)).expect("drawn");
-        gpu.memory().bytes(MemoryKind::Scenes)
+        device.memory().bytes(MemoryKind::Scenes)
     };
     let linked =
         |light: &Light| light.clone().with(LIGHT_LINK, links(&["floor"], &[])).with(SHADOW_LINK, links(&[], &[FIRST]));

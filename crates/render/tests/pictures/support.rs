@@ -1,11 +1,11 @@
 //! Small scenes with known results, and the device that all tests share.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use light::parameters::INTENSITY;
 use light::{Light, LightInstance, Transform};
-use render::{Aov, Backend, Gpu, MemoryBudget, PassCounts, Picture, Renderer, ShadowSettings, View};
+use render::{Aov, Backend, Device, Host, MemoryBudget, PassCounts, Picture, Renderer, ShadowSettings, View};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
 /// 2^-24: half an ulp of 1 in f32.
@@ -14,10 +14,10 @@ pub const EPS: f64 = f64::EPSILON * 268_435_456.0;
 pub const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
 /// Returns the shared device, with lights drawn by `backend`.
-pub fn gpu_of(backend: Backend) -> Arc<Gpu> {
-    static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
-    let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
-    Arc::clone(GPUS[backend as usize].get_or_init(|| Arc::new(open())))
+pub fn device_of(backend: Backend) -> Device {
+    static DEVICES: [OnceLock<Device>; 2] = [const { OnceLock::new() }; 2];
+    let open = || Device::open(Host::default(), Some(backend)).expect("tests need a graphics driver");
+    DEVICES[backend as usize].get_or_init(open).clone()
 }
 
 /// Returns the settings that draw straight BendyLights with bent maps: tests compare them with spotlights.
@@ -34,21 +34,21 @@ pub fn renderer(scene: &Scene) -> Renderer {
 /// than drawing.
 pub fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     static FIRST: [OnceLock<Mutex<Renderer>>; 2] = [const { OnceLock::new() }; 2];
-    let first = || Mutex::new(Renderer::new(gpu_of(backend)).expect("the device works"));
+    let first = || Mutex::new(Renderer::new(&device_of(backend)).expect("the device works"));
     let first = FIRST[backend as usize].get_or_init(first).lock().unwrap_or_else(PoisonError::into_inner);
     with_scene(first.with_same_pipelines().expect("the device works"), scene)
 }
 
 /// Returns a renderer of `scene` with those settings, on a device of its own, whose data counts against `memory`.
 pub fn renderer_within(memory: &MemoryBudget, backend: Backend, scene: &Scene) -> Renderer {
-    let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
-    assert_eq!(gpu.backend(), backend);
-    renderer_on(Arc::new(gpu), scene)
+    let device = Device::open(Host::new(memory.clone()), Some(backend)).expect("tests need a graphics driver");
+    assert_eq!(device.backend(), backend);
+    renderer_on(&device, scene)
 }
 
 /// Returns a renderer of `scene` with those settings, on that device.
-pub fn renderer_on(gpu: Arc<Gpu>, scene: &Scene) -> Renderer {
-    with_scene(Renderer::new(gpu).expect("the device works"), scene)
+pub fn renderer_on(device: &Device, scene: &Scene) -> Renderer {
+    with_scene(Renderer::new(device).expect("the device works"), scene)
 }
 
 fn with_scene(mut renderer: Renderer, scene: &Scene) -> Renderer {

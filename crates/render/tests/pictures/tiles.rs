@@ -8,8 +8,8 @@ use glam::{DAffine3, DQuat, DVec3, Vec4};
 use light::LightInstance;
 use light::parameters::{COLOR, RANGE, TRANSLATION};
 use render::{
-    Aov, Backend, FileNeeds, Gpu, MemoryBudget, Picture, Pixels, RenderError, Renderer, SampleProgress, TiledPicture,
-    View, ViewSlot, YieldPolicy,
+    Aov, Backend, Device, FileNeeds, Host, Picture, Pixels, RenderError, Renderer, SampleProgress, TiledPicture, View,
+    ViewSlot, YieldPolicy,
 };
 use scene::{Image, Material, Primitive, Sampler, Scene, TextureRef};
 
@@ -260,8 +260,9 @@ fn a_bent_map_of_the_device_yields_in_its_middle() {
         true
     };
     let yielding = YieldPolicy::new(|| true, yields, run);
-    let gpu = Gpu::open(MemoryBudget::default(), Some(Backend::Wgpu)).expect("tests need a graphics driver");
-    let mut renderer = renderer_on(Arc::new(gpu.with_yield_policy(yielding)), &things());
+    let host = Host::default().with_yield_policy(yielding);
+    let device = Device::open(host, Some(Backend::Wgpu)).expect("tests need a graphics driver");
+    let mut renderer = renderer_on(&device, &things());
     let view = camera([160, 90], Aov::Beauty, 1);
     let [lights, moved] = [0.0, 0.1].map(|by| {
         let [key, low, bent] = &lights()[..] else { unreachable!("three") };

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use render::{Backend, Gpu, MemoryBudget, RenderError, Renderer};
+use render::{Backend, Device, Host, MemoryBudget, RenderError, Renderer};
 use scene::PosedScene;
 use tokio::runtime::{self, Runtime};
 use tokio::sync::mpsc;
@@ -374,12 +374,13 @@ fn has_room<T>(waiting: &mut Vec<T>, is_cancelled: impl Fn(&T) -> bool) -> bool 
 }
 
 fn open(memory: &MemoryBudget, backend: Option<Backend>, turn_end: &TurnDeadline) -> Result<Renderer, RenderError> {
-    let gpu = Gpu::open(memory.clone(), backend)?.with_yield_policy(turn_end.yield_policy());
-    tracing::info!("rendering with {}, shadows and lights by {}", gpu.adapter_name(), gpu.backend().name());
-    if let Some(advice) = gpu.advice() {
+    let host = Host::new(memory.clone()).with_yield_policy(turn_end.yield_policy());
+    let device = Device::open(host, backend)?;
+    tracing::info!("rendering with {}, backend {}", device.name(), device.backend().name());
+    if let Some(advice) = device.advice() {
         tracing::warn!("{advice}");
     }
-    Renderer::new(Arc::new(gpu))
+    Renderer::new(&device)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec4};
 use light::{DirectionMode, LightInstance, Tube, TubeRoot};
 use proptest::prelude::*;
-use render::{Aov, Backend, Gpu, MemoryBudget, Picture, RenderError, Renderer, ShadowSettings, View};
+use render::{Aov, Backend, Device, Gpu, Host, Picture, RenderError, Renderer, ShadowSettings, View};
 use scene::Scene;
 
 use super::light::{LightLimits, lights, placement};
@@ -35,11 +35,11 @@ pub struct StressPicture<'a> {
 impl Adapter {
     /// Opens the best device, and a renderer per backend.
     pub fn open() -> Result<Self, RenderError> {
-        let open = |backend| Gpu::open(MemoryBudget::default(), Some(backend)).map(Arc::new);
-        let renderer = |gpu: &Arc<Gpu>| Renderer::new(Arc::clone(gpu)).map(RefCell::new);
-        let (gpu, processor) = (open(Backend::Wgpu)?, open(Backend::Native)?);
+        let gpu = Arc::new(Gpu::open(Host::default())?);
+        let renderer = |device: &Device| Renderer::new(device).map(RefCell::new);
+        let (on_gpu, on_cpu) = (Device::Wgpu(Arc::clone(&gpu)), Device::open(Host::default(), Some(Backend::Native))?);
         // The CPU comes first, so a deliberate fault is reported for its pictures.
-        let renderers = [(Backend::Native, renderer(&processor)?), (Backend::Wgpu, renderer(&gpu)?)];
+        let renderers = [(Backend::Native, renderer(&on_cpu)?), (Backend::Wgpu, renderer(&on_gpu)?)];
         Ok(Self { gpu, renderers })
     }
 
