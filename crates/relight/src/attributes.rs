@@ -32,6 +32,8 @@ pub struct SurfaceMaterials {
 pub struct MaterialRun {
     /// Index after the run's last triangle.
     pub end: u32,
+    /// True if one of its vertices is not white.
+    pub has_colors: bool,
     pub material: SurfaceMaterial,
 }
 
@@ -47,6 +49,12 @@ pub struct SurfaceMaterial {
     pub base_color_texture: Option<SampledTexture>,
     /// Roughness in green and metallic in blue, which multiply the factors.
     pub metallic_roughness_texture: Option<SampledTexture>,
+}
+
+impl SurfaceMaterial {
+    fn has_textures(&self) -> bool {
+        self.base_color_texture.is_some() || self.metallic_roughness_texture.is_some()
+    }
 }
 
 impl SurfaceMaterials {
@@ -70,35 +78,62 @@ impl SurfaceMaterials {
 struct Corners {
     positions: [Vec3s; 3],
     normals: [Vec3s; 3],
-    uvs: [[F32s; 2]; 3],
-    colors: [[F32s; 4]; 3],
+    /// `None` if no pixel has a texture.
+    uvs: Option<[[F32s; 2]; 3]>,
+    /// RGB; `None` if all are white.
+    colors: Option<[[F32s; 3]; 3]>,
+}
+
+/// Fetches values of the vertices of the triangles of sixteen pixels. It has no arithmetic, so one copy serves every
+/// processor.
+#[inline(always)]
+fn fetch<const N: usize>(indices: &[u32], triangles: &U32s, of_vertex: impl Fn(usize) -> [f32; N]) -> [[F32s; N]; 3] {
+    let (indices, mut values) = (indices.as_chunks::<3>().0, [[F32s::ZERO; N]; 3]);
+    let first = triangles.0[0];
+    if first != 0 && triangles.0.iter().all(|triangle| *triangle == first) {
+        let corners = indices[first as usize - 1];
+        return corners.map(|vertex| of_vertex(vertex as usize).map(F32s::splat));
+    }
+    for lane in 0..LANES {
+        let Some(triangle) = triangles.0[lane].checked_sub(1) else { continue };
+        for (corner, vertex) in values.iter_mut().zip(indices[triangle as usize]) {
+            for (values, value) in corner.iter_mut().zip(of_vertex(vertex as usize)) {
+                values.0[lane] = value;
+            }
+        }
+    }
+    values
 }
 
 impl Corners {
-    /// Fetches the attributes. It has no arithmetic, so one copy serves every processor.
     #[inline(never)]
     fn fetch(scene: &CasterScene, triangles: &U32s) -> Self {
-        let (zero, nothing) = (F32s::ZERO, Vec3s::splat([0.0; 3]));
-        let mut corners =
-            Self { positions: [nothing; 3], normals: [nothing; 3], uvs: [[zero; 2]; 3], colors: [[zero; 4]; 3] };
-        for lane in 0..LANES {
-            let Some(triangle) = triangles.0[lane].checked_sub(1) else { continue };
-            let first = 3 * triangle as usize;
-            for k in 0..3 {
-                let vertex = scene.indices[first + k] as usize;
-                let [x, y, z] = scene.positions[vertex];
-                let position = &mut corners.positions[k];
-                (position.x.0[lane], position.y.0[lane], position.z.0[lane]) = (x, y, z);
-                let [nx, ny, nz, u, v, r, g, b, a] = scene.attributes[vertex];
-                let normal = &mut corners.normals[k];
-                (normal.x.0[lane], normal.y.0[lane], normal.z.0[lane]) = (nx, ny, nz);
-                (corners.uvs[k][0].0[lane], corners.uvs[k][1].0[lane]) = (u, v);
-                for (channel, value) in [r, g, b, a].into_iter().enumerate() {
-                    corners.colors[k][channel].0[lane] = value;
-                }
-            }
+        let corners = fetch(scene.indices, triangles, |vertex| {
+            let ([x, y, z], [n_x, n_y, n_z, ..]) = (scene.positions[vertex], scene.attributes[vertex]);
+            [x, y, z, n_x, n_y, n_z]
+        });
+        Self {
+            positions: corners.map(|[x, y, z, ..]| Vec3s { x, y, z }),
+            normals: corners.map(|[.., x, y, z]| Vec3s { x, y, z }),
+            uvs: None,
+            colors: None,
         }
-        corners
+    }
+
+    #[inline(never)]
+    fn fetch_uvs(&mut self, scene: &CasterScene, triangles: &U32s) {
+        self.uvs = Some(fetch(scene.indices, triangles, |vertex| {
+            let [_, _, _, u, v, ..] = scene.attributes[vertex];
+            [u, v]
+        }));
+    }
+
+    #[inline(never)]
+    fn fetch_colors(&mut self, scene: &CasterScene, triangles: &U32s) {
+        self.colors = Some(fetch(scene.indices, triangles, |vertex| {
+            let [_, _, _, _, _, r, g, b, _] = scene.attributes[vertex];
+            [r, g, b]
+        }));
     }
 
     /// Returns the barycentrics of points of the triangles' planes, one of them negative outside of a triangle; 0 for a
@@ -116,13 +151,12 @@ impl Corners {
         let gamma = F32s::dot(F32s::cross(ab, at), normal) * per_area2;
         [one - beta - gamma, beta, gamma].map(|weight| F32s::select(has_area, weight, zero))
     }
+}
 
-    /// Returns uv by these weights.
-    #[inline(always)]
-    fn uv(&self, weights: [F32s; 3]) -> [F32s; 2] {
-        let [a, b, c] = self.uvs;
-        [0, 1].map(|axis| a[axis] * weights[0] + b[axis] * weights[1] + c[axis] * weights[2])
-    }
+/// Returns uv by these weights.
+#[inline(always)]
+fn uv_by([a, b, c]: &[[F32s; 2]; 3], weights: [F32s; 3]) -> [F32s; 2] {
+    [0, 1].map(|axis| a[axis] * weights[0] + b[axis] * weights[1] + c[axis] * weights[2])
 }
 
 /// Planes of the triangles of sixteen pixels: `normal . p = offset`.
@@ -143,11 +177,19 @@ pub(crate) fn block_of(
 ) -> Option<PixelBlock> {
     let (triangles, z) = load(visible, corner)?;
     let planes = &fetch_planes(scene.triangles, &triangles);
-    let corners = &Corners::fetch(scene.triangles, &triangles);
+    let runs = scene.materials.runs_of(&triangles);
+    let mut corners = Corners::fetch(scene.triangles, &triangles);
+    if runs.have_textures {
+        corners.fetch_uvs(scene.triangles, &triangles);
+    }
+    if runs.have_colors {
+        corners.fetch_colors(scene.triangles, &triangles);
+    }
+    let corners = &corners;
     let met = &simd::run(Meet { planes, camera, z: &z, corner });
     let shape = &simd::run(Interpolate { corners, planes, met });
-    let (runs, is_textured) = scene.materials.runs_of(&triangles);
-    let footprint = is_textured.then(|| simd::run(FindFootprint { camera, corner, corners, planes, shape }));
+    let uvs = corners.uvs.as_ref();
+    let footprint = uvs.map(|uvs| simd::run(FindFootprint { camera, corner, corners, uvs, planes, shape }));
     let factors = &scene.materials.factors(&runs, footprint.as_ref());
     Some(simd::run(Pack { corners, planes, met, shape, factors, triangles: &triangles, corner }))
 }
@@ -256,9 +298,12 @@ impl SimdTask for Pack<'_> {
         let Self { corners, planes, met, shape, factors, triangles, corner } = self;
         let (zero, one, none) = (F32s::ZERO, F32s::splat(1.0), U32s::ZERO);
         let exists = !triangles.equals(none);
-        let ([a, b, c], weights) = (&corners.colors, shape.weights);
+        let weights = shape.weights;
         let base_color: [F32s; 3] = std::array::from_fn(|k| {
-            let color = a[k] * weights[0] + b[k] * weights[1] + c[k] * weights[2];
+            let color = match &corners.colors {
+                Some([a, b, c]) => a[k] * weights[0] + b[k] * weights[1] + c[k] * weights[2],
+                None => weights[0] + weights[1] + weights[2],
+            };
             (factors.base_color[k] * color).within(zero, one)
         });
         let (metallic, roughness) = (factors.metallic.within(zero, one), factors.roughness.within(zero, one));
@@ -321,26 +366,44 @@ struct Factors {
     roughness: F32s,
 }
 
+/// Runs of the triangles of sixteen pixels.
+struct Runs {
+    /// Lanes without a triangle have the first run.
+    indices: [usize; LANES],
+    have_textures: bool,
+    have_colors: bool,
+}
+
 impl SurfaceMaterials {
-    /// Returns the index of the run of each triangle, and true if one of them has a texture.
     #[inline(never)]
-    fn runs_of(&self, triangles: &U32s) -> ([usize; LANES], bool) {
-        let (mut runs, mut run, mut is_textured) = ([0; LANES], 0, false);
-        for (lane, of_lane) in runs.iter_mut().enumerate() {
+    fn runs_of(&self, triangles: &U32s) -> Runs {
+        let mut runs = Runs { indices: [0; LANES], have_textures: false, have_colors: false };
+        let mut run = 0;
+        for (lane, of_lane) in runs.indices.iter_mut().enumerate() {
             let Some(triangle) = triangles.0[lane].checked_sub(1) else { continue };
             run = self.run_of(triangle, run);
             *of_lane = run;
-            let SurfaceMaterial { base_color_texture, metallic_roughness_texture, .. } = &self.runs[run].material;
-            is_textured |= base_color_texture.is_some() || metallic_roughness_texture.is_some();
+            let MaterialRun { material, has_colors, .. } = &self.runs[run];
+            runs.have_textures |= material.has_textures();
+            runs.have_colors |= has_colors;
         }
-        (runs, is_textured)
+        runs
     }
 
-    /// Looks up the factors of the materials in these runs. Lanes without a triangle have those of the first run.
+    /// Looks up the factors of the materials in these runs.
     #[inline(never)]
-    fn factors(&self, runs: &[usize; LANES], footprint: Option<&Footprint>) -> Factors {
+    fn factors(&self, runs: &Runs, footprint: Option<&Footprint>) -> Factors {
+        let first = runs.indices[0];
+        if footprint.is_none() && runs.indices.iter().all(|run| *run == first) {
+            let SurfaceMaterial { base_color: [r, g, b, _], metallic, roughness, .. } = self.runs[first].material;
+            return Factors {
+                base_color: [r, g, b].map(F32s::splat),
+                metallic: F32s::splat(metallic),
+                roughness: F32s::splat(roughness),
+            };
+        }
         let mut factors = Factors { base_color: [F32s::ZERO; 3], metallic: F32s::ZERO, roughness: F32s::ZERO };
-        for (lane, run) in runs.iter().enumerate() {
+        for (lane, run) in runs.indices.iter().enumerate() {
             let material = &self.runs[*run].material;
             let SurfaceMaterial { base_color: [mut r, mut g, mut b, _], mut metallic, mut roughness, .. } = *material;
             if let Some(footprint) = footprint {
@@ -368,6 +431,7 @@ struct FindFootprint<'a> {
     camera: &'a CameraRays,
     corner: [u16; 2],
     corners: &'a Corners,
+    uvs: &'a [[F32s; 2]; 3],
     planes: &'a Planes,
     shape: &'a Shape,
 }
@@ -377,14 +441,14 @@ impl SimdTask for FindFootprint<'_> {
 
     #[inline(always)]
     fn run(self) -> Footprint {
-        let Self { camera, corner, corners, planes, shape } = self;
-        let here = corners.uv(shape.on_plane);
+        let Self { camera, corner, corners, uvs, planes, shape } = self;
+        let here = uv_by(uvs, shape.on_plane);
         let [dx, dy] = [[1.0, 0.0], [0.0, 1.0]].map(|step| {
             let (origin, direction) = rays(camera, corner, step);
             let distance = (planes.offset - F32s::dot(planes.normal, origin)) / F32s::dot(planes.normal, direction);
-            let there = corners.uv(corners.weights_at(origin + direction * distance));
+            let there = uv_by(uvs, corners.weights_at(origin + direction * distance));
             [there[0] - here[0], there[1] - here[1]]
         });
-        Footprint { uv: corners.uv(shape.weights), dx, dy }
+        Footprint { uv: uv_by(uvs, shape.weights), dx, dy }
     }
 }

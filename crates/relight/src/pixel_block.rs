@@ -7,7 +7,7 @@ pub(crate) const BLOCK_SIDE: usize = 4;
 
 /// Camera rays, as in `view.wgsl`. The sample of pixel (x, y) of the picture lies on a ray with the origin `origin + x
 /// origin_dx + y origin_dy` and likewise the direction, which advances one unit along the view axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraRays {
     /// Origin of the first pixel's ray.
     pub origin: [f32; 3],
@@ -45,6 +45,22 @@ pub(crate) struct PixelBlock {
     pub triangle: U32s,
     /// Coordinates of the block's top left pixel.
     pub corner: [u16; 2],
+}
+
+impl PixelBlock {
+    pub const NOTHING: Self = {
+        let (zero, none) = (F32s([0.0; LANES]), U32s([0; LANES]));
+        let nowhere = Vec3s { x: zero, y: zero, z: zero };
+        Self {
+            depth: zero,
+            normal: none,
+            geometric_normal: nowhere,
+            material: [none; 2],
+            terminator_offset: zero,
+            triangle: none,
+            corner: [0; 2],
+        }
+    };
 }
 
 /// Computes the origins and directions of the rays of a block's pixels, or of points `step` pixels to the right and down

@@ -1,5 +1,7 @@
 //! Surfaces that pixels show, made once a camera or scene change: blocks of four by four pixels, without background.
 
+use std::ops::Range;
+
 use light::Lanes;
 #[cfg(test)]
 use light::Mask;
@@ -13,7 +15,7 @@ use crate::simd::{self, SimdTask};
 use crate::{Cancelled, Workers};
 
 /// All blocks that show a surface, in rows from the top.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Surfaces {
     size: [u32; 2],
     pub(crate) camera: CameraRays,
@@ -68,33 +70,48 @@ impl SurfaceLanes {
 }
 
 impl Surfaces {
-    /// Makes the surfaces of the triangles of `scene` that pixels show.
-    pub fn new(
+    /// Replaces the surfaces by the triangles of `scene` that pixels show. Reuses their memory. After an error the
+    /// surfaces have no meaning.
+    pub fn update(
+        &mut self,
         workers: &Workers,
         scene: &SurfaceScene,
         camera: CameraRays,
         fill: FillColors,
         visible: &VisibilityBuffer,
-    ) -> Result<Self, Cancelled> {
-        let size = visible.size();
-        let height_in_blocks = size[1].div_ceil(BLOCK_SIDE);
-        let mut rows = Vec::new();
-        rows.resize_with(height_in_blocks, Default::default);
-        workers.each(rows.iter_mut().enumerate(), |(row, into)| {
-            **into = row_of_blocks(scene, &camera, &fill, visible, *row);
+    ) -> Result<(), Cancelled> {
+        self.size = visible.size().map(|side| side as u32);
+        self.camera = camera;
+        self.row_starts.clear();
+        self.row_starts.resize(visible.size()[1].div_ceil(BLOCK_SIDE) + 1, 0);
+        workers.each(self.row_starts[1..].iter_mut().enumerate(), |(row, count)| {
+            **count = columns(visible).filter(|column| visible.is_block_seen(corner(*column, *row))).count();
             true
         })?;
-        let count = rows.iter().map(|(blocks, _)| blocks.len()).sum();
-        let (blocks, fill) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut surfaces = Self { size: size.map(|side| side as u32), camera, blocks, fill, row_starts: vec![0] };
-        for (blocks, fill) in rows {
-            surfaces.blocks.extend(blocks);
-            surfaces.fill.extend(fill);
-            surfaces.row_starts.push(surfaces.blocks.len());
-            // The operating system is slow to provide new memory.
-            workers.yielding.yield_point()?;
+        for row in 1..self.row_starts.len() {
+            self.row_starts[row] += self.row_starts[row - 1];
         }
-        Ok(surfaces)
+        let (most, count) = (Self::max_blocks(self.size), self.row_starts.last().copied().unwrap_or(0));
+        // For all cameras at once, or memory would move whenever one shows more than those before.
+        self.blocks.reserve_exact(most.saturating_sub(self.blocks.len()));
+        self.fill.reserve_exact(most.saturating_sub(self.fill.len()));
+        workers.resize(&mut self.blocks, count, PixelBlock::NOTHING)?;
+        workers.resize(&mut self.fill, count, Vec3s::splat([0.0; 3]))?;
+        let (mut blocks, mut filled, mut rows) = (&mut self.blocks[..], &mut self.fill[..], Vec::new());
+        for (row, ends) in self.row_starts.windows(2).enumerate() {
+            let ((row_blocks, other_blocks), (row_filled, other_filled)) =
+                (blocks.split_at_mut(ends[1] - ends[0]), filled.split_at_mut(ends[1] - ends[0]));
+            (blocks, filled) = (other_blocks, other_filled);
+            rows.push((row, row_blocks, row_filled));
+        }
+        workers.each(rows.into_iter(), |(row, blocks, filled)| {
+            let seen = columns(visible).filter_map(|column| block_of(scene, &camera, visible, corner(column, *row)));
+            for ((block, filled), seen) in blocks.iter_mut().zip(filled.iter_mut()).zip(seen) {
+                *block = seen;
+                *filled = simd::run(ReflectFill { camera: &camera, fill: &fill, block });
+            }
+            true
+        })
     }
 
     /// Returns the width and height in pixels.
@@ -177,19 +194,14 @@ impl FillColors {
     }
 }
 
-/// Returns the blocks of a row that show a surface, each with the reflection of the fill light.
-fn row_of_blocks(
-    scene: &SurfaceScene,
-    camera: &CameraRays,
-    fill: &FillColors,
-    visible: &VisibilityBuffer,
-    row: usize,
-) -> (Vec<PixelBlock>, Vec<Vec3s>) {
-    let columns = visible.size()[0].div_ceil(BLOCK_SIDE);
-    let corners = (0..columns).map(|column| [(BLOCK_SIDE * column) as u16, (BLOCK_SIDE * row) as u16]);
-    let blocks: Vec<PixelBlock> = corners.filter_map(|corner| block_of(scene, camera, visible, corner)).collect();
-    let filled = blocks.iter().map(|block| simd::run(ReflectFill { camera, fill, block })).collect();
-    (blocks, filled)
+/// Returns the columns of blocks of a picture.
+fn columns(visible: &VisibilityBuffer) -> Range<usize> {
+    0..visible.size()[0].div_ceil(BLOCK_SIDE)
+}
+
+/// Returns the coordinates of the top left pixel of a block.
+fn corner(column: usize, row: usize) -> [u16; 2] {
+    [column, row].map(|index| (BLOCK_SIDE * index) as u16)
 }
 
 struct ReflectFill<'a> {

@@ -10,7 +10,7 @@ use super::rule::PictureDepthTest;
 use super::setup::{OpaquePiece, SetUp, Triangles, has_both_sides};
 use super::{AlphaTestedTriangle, BandWork, DrawBand, SetUpTriangles, TRIANGLES_PER_PIECE};
 use crate::depth_map::stride;
-use crate::pixel_block::CameraRays;
+use crate::pixel_block::{BLOCK_SIDE, CameraRays};
 use crate::{Cancelled, CasterScene, Workers};
 
 /// Number of rows of a picture that one thread draws at once. Those of a picture 2048 pixels wide take a quarter of a
@@ -76,6 +76,14 @@ impl VisibilityBuffer {
     pub(crate) fn at(&self, column: usize, row: usize) -> (u32, f32) {
         let index = row * stride(self.size[0]) + column;
         (self.triangles[index], self.z[index])
+    }
+
+    /// True if a pixel of the block with that top left corner shows a triangle.
+    pub(crate) fn is_block_seen(&self, corner: [u16; 2]) -> bool {
+        let ([width, height], [left, top]) = (self.size, corner.map(usize::from));
+        let right = width.min(left + BLOCK_SIDE);
+        let rows = (top..height.min(top + BLOCK_SIDE)).map(|row| row * stride(width));
+        rows.flat_map(|start| &self.triangles[start + left..start + right]).any(|triangle| *triangle != 0)
     }
 }
 

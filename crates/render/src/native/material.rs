@@ -34,7 +34,10 @@ impl HostMaterials {
                 base_color_texture,
                 metallic_roughness_texture,
             };
-            runs.push(MaterialRun { end: draw.indices.end / 3, material: surface });
+            let triangles = draw.indices.start as usize..draw.indices.end as usize;
+            let is_colored = |vertex: &u32| vertices.attributes[*vertex as usize].color != [1.0; 4];
+            let has_colors = vertices.indices[triangles].iter().any(is_colored);
+            runs.push(MaterialRun { end: draw.indices.end / 3, has_colors, material: surface });
             if material.double_sided {
                 for triangle in draw.indices.start / 3..draw.indices.end / 3 {
                     both_sides[triangle as usize / 32] |= 1 << (triangle % 32);

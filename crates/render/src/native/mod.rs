@@ -196,7 +196,7 @@ impl FrameBackend for Native {
     }
 
     fn draw_surfaces(&mut self, targets: &mut NativeTargets, scene: &SceneView<Self>) -> Result<(), RenderError> {
-        targets.set_surfaces(|| self.surfaces.draw(&self.cpu, scene, &self.view))
+        self.surfaces.draw(&self.cpu, scene, &self.view, &mut targets.surfaces)
     }
 
     fn begin_sample(
@@ -209,10 +209,10 @@ impl FrameBackend for Native {
         if is_first {
             targets.clear_radiance();
         }
-        let (surfaces, sum, radiance) = targets.parts();
+        let NativeTargets { surfaces, sample_sum, radiance, .. } = targets;
         match quantity(aov) {
             None => {
-                relight::sum(self.cpu.workers(), surfaces, LayerTerms::Layers(&[]), sum);
+                relight::sum(self.cpu.workers(), surfaces, LayerTerms::Layers(&[]), sample_sum);
             }
             Some(Quantity::OfSurface(aov)) => {
                 relight::add_surface_aov(surfaces, aov, self.view.weight, radiance);
@@ -235,13 +235,13 @@ impl FrameBackend for Native {
         let pixels = scene.tile.clip(light.pixels);
         let drawn = DrawnLight { light: shape, map: map.as_deref(), pixels };
         let casters = caster_scene(scene.scene, light.linked.as_deref());
-        let (surfaces, sum, radiance) = targets.parts();
+        let NativeTargets { surfaces, sample_sum, radiance, .. } = targets;
         match quantity(aov) {
             Some(Quantity::OfLight(aov)) => {
                 relight::add_light_aov(cpu.workers(), surfaces, &casters, drawn, aov, view.weight, radiance)?;
             }
             _ => {
-                relight::add_light(cpu.workers(), surfaces, &casters, drawn, light.factors, sum)?;
+                relight::add_light(cpu.workers(), surfaces, &casters, drawn, light.factors, sample_sum)?;
             }
         }
         cpu.host.stages.record_stage(FrameStage::Light);
@@ -252,8 +252,15 @@ impl FrameBackend for Native {
     fn end_sample(&mut self, targets: &mut NativeTargets, aov: Aov) -> Result<(), RenderError> {
         if aov == Aov::Beauty {
             let SampleView { fill_factor, weight, .. } = self.view;
-            let (surfaces, sum, radiance) = targets.parts();
-            relight::add_sample(self.cpu.workers(), surfaces, LayerTerms::Sums(&[sum]), fill_factor, weight, radiance);
+            let NativeTargets { surfaces, sample_sum, radiance, .. } = targets;
+            relight::add_sample(
+                self.cpu.workers(),
+                surfaces,
+                LayerTerms::Sums(&[&*sample_sum]),
+                fill_factor,
+                weight,
+                radiance,
+            );
             self.cpu.host.stages.record_stage(FrameStage::Sum);
         }
         Ok(())
@@ -285,7 +292,7 @@ impl FrameBackend for Native {
         let NativeLight { light: shape, map } = &light.light;
         let casters = caster_scene(scene.scene, light.linked.as_deref());
         let drawn = DrawnLight { light: shape, map: map.as_deref(), pixels };
-        relight::draw_layer(self.cpu.workers(), targets.surfaces(), &casters, drawn, &mut layer)?;
+        relight::draw_layer(self.cpu.workers(), &targets.surfaces, &casters, drawn, &mut layer)?;
         self.cpu.host.stages.record_stage(FrameStage::Light);
         Ok(Arc::new(layer))
     }
@@ -297,7 +304,7 @@ impl FrameBackend for Native {
         over: Option<Arc<LayerSum>>,
     ) -> Result<Arc<LayerSum>, RenderError> {
         let mut sum = over.and_then(Arc::into_inner).unwrap_or_default();
-        terms.with(|terms| relight::sum(self.cpu.workers(), targets.surfaces(), terms, &mut sum));
+        terms.with(|terms| relight::sum(self.cpu.workers(), &targets.surfaces, terms, &mut sum));
         self.cpu.host.stages.record_stage(FrameStage::Sum);
         Ok(Arc::new(sum))
     }
@@ -316,7 +323,7 @@ impl FrameBackend for Native {
         terms: Option<&NativeTerms>,
         exposure: f64,
     ) -> Result<Vec<u8>, RenderError> {
-        let (workers, surfaces, exposure) = (self.cpu.workers(), targets.surfaces(), relight_exposure(exposure));
+        let (workers, surfaces, exposure) = (self.cpu.workers(), &targets.surfaces, relight_exposure(exposure));
         let no_terms = NativeTerms::Layers(Vec::new());
         let fill_factor = self.view.fill_factor;
         let terms = terms.unwrap_or(&no_terms);

@@ -19,17 +19,16 @@ use crate::native::Cpu;
 #[derive(Debug)]
 pub(crate) struct NativeTargets {
     pub size: [u32; 2],
-    /// `None` until they are drawn.
-    surfaces: Option<Surfaces>,
+    pub surfaces: Surfaces,
     /// Sum of the lights added so far in the current sample.
-    sample_sum: LayerSum,
+    pub sample_sum: LayerSum,
     /// Sum of the samples before the current one: linear RGBA, rows from the top.
     pub radiance: Vec<[f32; 4]>,
 }
 
 impl NativeTargets {
     pub fn new(size: [u32; 2]) -> Self {
-        Self { size, surfaces: None, sample_sum: LayerSum::default(), radiance: Vec::new() }
+        Self { size, surfaces: Surfaces::default(), sample_sum: LayerSum::default(), radiance: Vec::new() }
     }
 
     /// Returns the largest number of bytes of targets of `size` pixels.
@@ -39,31 +38,12 @@ impl NativeTargets {
     }
 
     pub fn bytes(&self) -> u64 {
-        let surfaces = self.surfaces.as_ref().map_or(0, Surfaces::bytes);
-        surfaces + LayerSum::bytes(self.sample_sum.block_count()) + size_of_val(&self.radiance[..]) as u64
-    }
-
-    pub fn surfaces(&self) -> &Surfaces {
-        self.surfaces.as_ref().expect("a frame draws surfaces before it lights them")
-    }
-
-    /// Returns the surfaces, the sum of the current sample, and the radiance.
-    pub fn parts(&mut self) -> (&Surfaces, &mut LayerSum, &mut Vec<[f32; 4]>) {
-        let Self { surfaces, sample_sum, radiance, .. } = self;
-        let surfaces = surfaces.as_ref().expect("a frame draws surfaces before it lights them");
-        (surfaces, sample_sum, radiance)
-    }
-
-    /// Replaces the surfaces by those that `draw` makes. Frees the old ones first, so that two never coexist.
-    pub fn set_surfaces(&mut self, draw: impl FnOnce() -> Result<Surfaces, RenderError>) -> Result<(), RenderError> {
-        self.surfaces = None;
-        self.surfaces = Some(draw()?);
-        Ok(())
+        self.surfaces.bytes() + LayerSum::bytes(self.sample_sum.block_count()) + size_of_val(&self.radiance[..]) as u64
     }
 
     /// Makes the radiance zero. It has the size of the surfaces.
     pub fn clear_radiance(&mut self) {
-        let [width, height] = self.surfaces().size().map(|side| side as usize);
+        let [width, height] = self.surfaces.size().map(|side| side as usize);
         self.radiance.clear();
         self.radiance.resize(width * height, [0.0; 4]);
     }
@@ -83,7 +63,8 @@ impl SurfacesBuilder {
         cpu: &Cpu,
         &SceneView { scene, raster, tile }: &SceneView<Native>,
         view: &SampleView,
-    ) -> Result<Surfaces, RenderError> {
+        into: &mut Surfaces,
+    ) -> Result<(), RenderError> {
         let HostScene { materials, .. } = &scene.uploaded;
         let triangles = caster_scene(scene, None);
         let near = match raster.projection {
@@ -104,9 +85,9 @@ impl SurfacesBuilder {
         let fill = &scene.posed.scene.fill;
         let fill = FillColors { sky: fill.sky.as_vec3().to_array(), ground: fill.ground.as_vec3().to_array() };
         let shown = SurfaceScene { triangles: &triangles, materials: &materials.materials };
-        let surfaces = Surfaces::new(cpu.workers(), &shown, part.camera, fill, &self.visible)?;
+        into.update(cpu.workers(), &shown, part.camera, fill, &self.visible)?;
         cpu.host.stages.record_stage(FrameStage::Surfaces);
-        Ok(surfaces)
+        Ok(())
     }
 }
 
