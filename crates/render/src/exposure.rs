@@ -1,24 +1,17 @@
 //! Exposure of radiance for screens.
 
+use relight::Exposure;
+
 /// Limit of exposed radiance, so that it stays finite.
 const BRIGHTEST: f32 = 1e30;
 
-/// Factor of radiance, and the radiance that reaches the limit.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Exposure {
-    pub factor: f32,
-    pub brightest: f32,
+/// Converts an exposure in stops.
+pub(crate) fn from_stops(stops: f64) -> Exposure {
+    let factor = stops.exp2() as f32;
+    Exposure { factor, brightest: BRIGHTEST / factor }
 }
 
-impl Exposure {
-    /// Converts an exposure in stops.
-    pub fn from_stops(stops: f64) -> Self {
-        let factor = stops.exp2() as f32;
-        Self { factor, brightest: BRIGHTEST / factor }
-    }
-
-    /// Computes exposed radiance, limited as in the shader.
-    pub fn of(self, radiance: f32) -> f32 {
-        radiance.min(self.brightest) * self.factor
-    }
+/// Computes exposed radiance, limited as in the shader.
+pub(crate) fn exposed(radiance: f32, Exposure { factor, brightest }: Exposure) -> f32 {
+    radiance.min(brightest) * factor
 }

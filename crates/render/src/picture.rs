@@ -4,7 +4,7 @@ use image::{Rgb, RgbImage};
 use light::LightInstance;
 use png::{BitDepth, ColorType, Compression, SrgbRenderingIntent};
 
-use crate::exposure::Exposure;
+use crate::exposure;
 use crate::{Aov, RenderError, View};
 
 /// Raw linear values of a picture.
@@ -174,9 +174,9 @@ type Color = [f32; 3];
 /// - visibility: unchanged;
 /// - wireframe: t's ramp with the edges in white, darker outside the tube.
 fn visualize(picture: &Picture, view: &View, segments: usize) -> RgbImage {
-    let exposure = Exposure::from_stops(view.exposure);
+    let exposed = exposure::from_stops(view.exposure);
     let color: &dyn Fn(usize, [f32; 4]) -> Color = match view.aov {
-        Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| exposure.of(c))),
+        Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| exposure::exposed(c, exposed))),
         Aov::Visibility => &|_, [x, y, z, _]| [x, y, z],
         Aov::Normal | Aov::Direction => &|_, [x, y, z, _]| [x, y, z].map(|c| 0.5 + 0.5 * c),
         Aov::Position => {

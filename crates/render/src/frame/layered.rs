@@ -10,11 +10,11 @@ use super::backend::FrameBackend;
 use super::camera::Sample;
 use super::layers::{self, LayerWork};
 use super::pass_runs::{Cause, Pass};
-use super::pause::{DrawnPiece, Pause};
+use super::pause::{DrawnPiece, Pause, is_over};
 use super::shared_scene::SceneView;
 use super::targets::Targets;
 use super::tile::Tile;
-use super::{CheckedPicture, Frame, is_over};
+use super::{CheckedPicture, Frame};
 use crate::RenderError;
 
 impl<B: FrameBackend> Frame<B> {

@@ -15,7 +15,7 @@ use super::backend::{FrameBackend, TERMS, Term};
 use super::maps::{ShadowMaps, factors, reachable_pixels};
 use super::memory::{Evictable, MemoryKind};
 use super::pass_runs::{Cause, Pass, PassRuns};
-use super::pause::{DrawnPiece, Pause};
+use super::pause::{DrawnPiece, Pause, is_over};
 use super::shared_scene::SceneView;
 use super::tile::{Tile, area, pixel_count};
 use crate::RenderError;
@@ -64,15 +64,6 @@ pub(crate) struct LayerWork<'a, B: FrameBackend> {
     pub pass_runs: &'a mut PassRuns,
     /// Callback that decides after each piece of work if drawing the picture pauses. `None` if it never pauses.
     pub pause: Option<Pause<'a>>,
-}
-
-impl<B: FrameBackend> LayerWork<'_, B> {
-    /// Waits until a piece of work is drawn. Returns true if drawing the picture pauses now.
-    fn pauses(&mut self, piece: DrawnPiece) -> Result<bool, RenderError> {
-        let Some(pause) = self.pause else { return Ok(false) };
-        self.backend.finish()?;
-        Ok(pause(piece))
-    }
 }
 
 /// True if the layers of `light_count` lights and their sums take at most half of `budget`, in bytes.
@@ -228,7 +219,7 @@ impl<B: FrameBackend> Layers<B> {
                 held
             } else {
                 match self.draw_layer(work, light)? {
-                    Poll::Ready(layer) if !work.pauses(DrawnPiece::Pixels)? => layer,
+                    Poll::Ready(layer) if !is_over(work.backend, work.pause, DrawnPiece::Pixels)? => layer,
                     _ => return Ok(Poll::Pending),
                 }
             };
@@ -251,7 +242,7 @@ impl<B: FrameBackend> Layers<B> {
         if let Some(cause) = ready.shadow_map_cause {
             work.pass_runs.note(Pass::ShadowMap, Some(light.id), cause);
             // A map without room in the budget would be drawn again after a pause.
-            if ready.transient_map.is_none() && work.pauses(DrawnPiece::ShadowMap)? {
+            if ready.transient_map.is_none() && is_over(work.backend, work.pause, DrawnPiece::ShadowMap)? {
                 return Ok(Poll::Pending);
             }
         }

@@ -40,7 +40,7 @@ use crate::{Picture, RenderError, ShadowSettings};
 use camera::{CameraRaster, Sample};
 use maps::ShadowMaps;
 use pass_runs::{Cause, Pass, PassRuns};
-use pause::{DrawnPiece, Pause};
+use pause::{DrawnPiece, Pause, is_over};
 use shared_scene::{FrameScene, SceneView, SharedScene};
 use stages::Recording;
 use targets::{Targets, Viewers};
@@ -285,13 +285,6 @@ impl<B: FrameBackend> Frame<B> {
         }
         result
     }
-}
-
-/// Waits until a piece of work is drawn. Returns true if drawing the picture pauses now.
-fn is_over<B: FrameBackend>(backend: &mut B, pause: Option<Pause>, piece: DrawnPiece) -> Result<bool, RenderError> {
-    let Some(pause) = pause else { return Ok(false) };
-    backend.finish()?;
-    Ok(pause(piece))
 }
 
 #[derive(Clone, Debug)]

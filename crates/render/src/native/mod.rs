@@ -12,8 +12,8 @@ mod terms;
 use std::sync::Arc;
 
 use relight::{
-    AlphaTest, BentMapBuilder, DepthMap, DrawnLight, Exposure, LayerSum, LayerTerms, LightAov, LightLayer,
-    StraightMapBuilder, SurfaceAov,
+    AlphaTest, BentMapBuilder, DepthMap, DrawnLight, LayerSum, LayerTerms, LightAov, LightLayer, StraightMapBuilder,
+    SurfaceAov,
 };
 use shadow::{CasterMesh, MapShape, MapSize, PlacedBent, PlacedLight};
 
@@ -271,7 +271,7 @@ impl FrameBackend for Native {
     }
 
     fn show_radiance(&mut self, targets: &NativeTargets, _: [u32; 2], exposure: f64) -> Result<Vec<u8>, RenderError> {
-        let bytes = relight::display_radiance(self.cpu.workers(), &targets.radiance, relight_exposure(exposure));
+        let bytes = relight::display_radiance(self.cpu.workers(), &targets.radiance, exposure::from_stops(exposure));
         self.cpu.host.stages.record_stage(FrameStage::Display);
         Ok(bytes)
     }
@@ -323,7 +323,7 @@ impl FrameBackend for Native {
         terms: Option<&NativeTerms>,
         exposure: f64,
     ) -> Result<Vec<u8>, RenderError> {
-        let (workers, surfaces, exposure) = (self.cpu.workers(), &targets.surfaces, relight_exposure(exposure));
+        let (workers, surfaces, exposure) = (self.cpu.workers(), &targets.surfaces, exposure::from_stops(exposure));
         let no_terms = NativeTerms::Layers(Vec::new());
         let fill_factor = self.view.fill_factor;
         let terms = terms.unwrap_or(&no_terms);
@@ -366,10 +366,4 @@ fn quantity(aov: Aov) -> Option<Quantity> {
         Aov::Direction => Quantity::OfLight(LightAov::Direction),
         Aov::Visibility => Quantity::OfLight(LightAov::Visibility),
     })
-}
-
-/// Converts an exposure in stops.
-fn relight_exposure(stops: f64) -> Exposure {
-    let exposure::Exposure { factor, brightest } = exposure::Exposure::from_stops(stops);
-    Exposure { factor, brightest }
 }

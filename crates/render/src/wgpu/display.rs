@@ -5,7 +5,7 @@ use wgpu::{
 };
 
 use crate::Gpu;
-use crate::exposure::Exposure;
+use crate::exposure;
 use crate::wgpu::composite::{GpuTerms, TermKind};
 use crate::wgpu::gpu_structs;
 use crate::wgpu::pipeline::{RAW_TEXTURE, UNIFORM, color_attachment};
@@ -52,17 +52,17 @@ impl DisplayPass {
         ExposedRadiance { group: gpu.bind_group("display", &self.layout, &resources), uniform }
     }
 
-    /// Draws radiance plus the sum of `terms`, if any, with `exposure` in stops.
+    /// Draws radiance plus the sum of `terms`, if any, with an exposure in `stops`.
     pub fn draw(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         radiance: &ExposedRadiance,
         terms: Option<&GpuTerms>,
-        exposure: f64,
+        stops: f64,
         into: &TextureView,
     ) {
-        let Exposure { factor, brightest } = Exposure::from_stops(exposure);
+        let relight::Exposure { factor, brightest } = exposure::from_stops(stops);
         let uniform = gpu_structs::Exposure { factor, brightest };
         gpu.queue.write_buffer(&radiance.uniform, 0, bytemuck::bytes_of(&uniform));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

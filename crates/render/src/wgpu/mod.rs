@@ -326,7 +326,6 @@ impl FrameBackend for Wgpu {
     }
 
     fn read_radiance(&mut self, targets: &WgpuTargets, size: [u32; 2]) -> Result<Vec<[f32; 4]>, RenderError> {
-        self.submit();
         readback::read(&self.gpu, &targets.lit(&self.gpu, &self.passes).radiance, size)
     }
 
